@@ -1,0 +1,156 @@
+"""The one description of what a stage returns.
+
+A `Record` is a frozen dataclass whose fields carry a `Spec`. Everything that is done with a stage's output (check,
+store, draw, replay, compare, make test data) is derived from these specs and written nowhere else.
+
+The first name in a spec's shape is the table a column belongs to: all columns of shape ``corner`` or ``corner 2``
+have one row per corner.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import functools
+import math
+from dataclasses import dataclass
+from typing import Annotated, Any, ClassVar, Literal, dataclass_transform, get_args, get_origin, get_type_hints
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vdoor.errors import RecordingError
+
+Kind = Literal["occupancy", "codes", "labels", "column", "cell", "code", "bits", "number", "count"]
+RASTERS: tuple[Kind, ...] = ("occupancy", "codes", "labels")
+COLUMNS: tuple[Kind, ...] = ("column", "cell", "code")
+SCALARS: tuple[Kind, ...] = ("number", "count")
+
+
+@dataclass(frozen=True)
+class Spec:
+    """What a type cannot say about one field.
+
+    kind
+        occupancy   raster of int8: -1 unknown, 0 free to 100 occupied
+        codes       raster of uint8, an index into `words`
+        labels      raster of int32, 0 = none
+        column      one row (or short vector) per element of the table that `shape` begins with
+        cell        a column of (row, col) in the record's frame: where the table's elements lie
+        code        a column of uint8, an index into `words`
+        bits        one flag per element of a table that lives in another record
+        number, count  a float, an int
+    shape
+        names of the axes; equal names have equal length within a record, a number is itself
+    tolerance
+        how far two runs on different machines may differ, in `unit`; 0 means bit for bit
+    """
+
+    kind: Kind
+    shape: str = ""
+    unit: str = ""
+    words: tuple[str, ...] = ()
+    tolerance: float = 0.0
+
+    @property
+    def axes(self) -> tuple[str, ...]:
+        """Names of the axes, outermost first."""
+        return tuple(self.shape.split())
+
+
+@dataclass(frozen=True)
+class Frame:
+    """Where a raster lies: its shape in cells, and its pose in the map frame (x right, y up, metres).
+
+    The origin is the pose of the lower left corner of the lower left cell, as ROS map_server defines it.
+    """
+
+    height: int
+    width: int
+    resolution_m: float
+    x_m: float = 0.0
+    y_m: float = 0.0
+    yaw_rad: float = 0.0
+
+    def world_from_cell(self, cells: NDArray[Any]) -> NDArray[np.float64]:
+        """Map coordinates (k, 2) as x, y of points (k, 2) as row, col; whole numbers are cell centres."""
+        rows, cols = np.asarray(cells, dtype=np.float64).reshape(-1, 2).T
+        right_m = (cols + 0.5) * self.resolution_m
+        up_m = (self.height - rows - 0.5) * self.resolution_m
+        cos, sin = math.cos(self.yaw_rad), math.sin(self.yaw_rad)
+        return np.stack([self.x_m + cos * right_m - sin * up_m, self.y_m + sin * right_m + cos * up_m], axis=1)
+
+    def cell_from_world(self, points_m: NDArray[Any]) -> NDArray[np.float64]:
+        """Row, col (k, 2) of map points (k, 2) as x, y; the inverse of `world_from_cell`, not rounded."""
+        x_m, y_m = np.asarray(points_m, dtype=np.float64).reshape(-1, 2).T
+        cos, sin = math.cos(self.yaw_rad), math.sin(self.yaw_rad)
+        right_m = cos * (x_m - self.x_m) + sin * (y_m - self.y_m)
+        up_m = -sin * (x_m - self.x_m) + cos * (y_m - self.y_m)
+        return np.stack([self.height - up_m / self.resolution_m - 0.5, right_m / self.resolution_m - 0.5], axis=1)
+
+
+@dataclass_transform(frozen_default=True, kw_only_default=True, eq_default=False)
+class Record:
+    """Base of all records: checked when made, frozen after, arrays read-only."""
+
+    topic: ClassVar[str]
+
+    def __init_subclass__(cls) -> None:
+        """Make every subclass a frozen, keyword-only dataclass, compared by identity (see `equal`)."""
+        dataclass(frozen=True, kw_only=True, eq=False)(cls)
+
+    def __post_init__(self) -> None:
+        """Check types and shapes against the specs and freeze the arrays."""
+        lengths: dict[str, int] = {}
+        for name, (spec, dtype) in specs(type(self)).items():
+            value = getattr(self, name)
+            if dtype is None:
+                continue
+            if not isinstance(value, np.ndarray) or value.dtype != dtype or value.ndim != len(spec.axes):
+                found = f"{value.dtype} {value.shape}" if isinstance(value, np.ndarray) else type(value).__name__
+                msg = f"{type(self).__name__}.{name}: wanted {dtype} ({spec.shape}), found {found}"
+                raise RecordingError(msg)
+            for axis, length in zip(spec.axes, value.shape, strict=True):
+                wanted = int(axis) if axis.isdigit() else lengths.setdefault(axis, length)
+                if length != wanted:
+                    msg = f"{type(self).__name__}.{name}: wanted {wanted} along {axis}, found {length}"
+                    raise RecordingError(msg)
+            frozen = value.view()
+            frozen.flags.writeable = False
+            object.__setattr__(self, name, frozen)
+
+
+@functools.cache
+def specs(record: type[Record]) -> dict[str, tuple[Spec, np.dtype[Any] | None]]:
+    """Fields of a record that carry a `Spec`, in order, with their dtype (None for plain numbers)."""
+    hints = get_type_hints(record, include_extras=True)
+    found: dict[str, tuple[Spec, np.dtype[Any] | None]] = {}
+    for field in dataclasses.fields(record):  # type: ignore[arg-type]  # made a dataclass by __init_subclass__
+        hint = hints[field.name]
+        if get_origin(hint) is not Annotated:
+            continue
+        base, spec = get_args(hint)[:2]
+        found[field.name] = (spec, None if spec.kind in SCALARS else np.dtype(get_args(get_args(base)[1])[0]))
+    return found
+
+
+def tables(record: type[Record]) -> dict[str, tuple[str, ...]]:
+    """Tables of a record: the name of the rows (``corner``) and the fields that are its columns."""
+    found: dict[str, list[str]] = {}
+    for name, (spec, _) in specs(record).items():
+        if spec.kind in COLUMNS:
+            found.setdefault(spec.axes[0], []).append(name)
+    return {table: tuple(columns) for table, columns in found.items()}
+
+
+def equal(one: Record, other: Record) -> bool:
+    """Whether two records are of one type and equal bit for bit (equal infinities and nans are equal)."""
+    if type(one) is not type(other) or getattr(one, "frame", None) != getattr(other, "frame", None):
+        return False
+    for name, (_, dtype) in specs(type(one)).items():
+        a, b = getattr(one, name), getattr(other, name)
+        if dtype is None:
+            if a != b and not (a != a and b != b):  # noqa: PLR0124  # nan equals nan here
+                return False
+        elif a.shape != b.shape or a.tobytes() != b.tobytes():
+            return False
+    return True
