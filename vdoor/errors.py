@@ -9,6 +9,10 @@ class MapError(VdoorError):
     """A map file that cannot be read, or a map that has nothing to divide."""
 
 
+class MapWarning(UserWarning):
+    """A map that can be read but likely says what was not meant, or leaves something to be assumed."""
+
+
 class SettingError(VdoorError):
     """A setting that does not exist or cannot have that value."""
 

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import math
+from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vdoor.record import Frame, Record, Spec
+from vdoor.stages.curvature import EPSILON, Curvature, cross, dot
+from vdoor.stages.trace import BoundaryPath
 
 
 class Candidates(Record):
@@ -34,3 +38,135 @@ class Corners(Record):
     angle_rad: Annotated[NDArray[np.float64], Spec("column", "corner", unit="rad", tolerance=1e-9)]
     convex: Annotated[NDArray[np.bool_], Spec("column", "corner")]
     frame: Frame
+
+
+@dataclass(frozen=True, kw_only=True)
+class FindCandidates:
+    """Keep the samples that bend by more than the threshold."""
+
+    angle_deg: float = 155.0
+    """Samples below this angle are candidates (rho > 1/155)."""
+
+    def __call__(self, path: BoundaryPath, curvature: Curvature) -> Candidates:
+        """Candidates in the order of the path; angles are compared, since 1/angle is infinite at a wall's tip."""
+        sharp = cosine(curvature) > math.cos(math.radians(self.angle_deg))
+        sample = np.flatnonzero(sharp & (curvature.k_forward > 0)).astype(np.int32)
+        # eq. 6 with atan2: concave where b, f turn to the wall's side. Folded back, it is the path that tells.
+        side = cross(curvature.backward[sample], curvature.forward[sample])
+        convex = (side < 0) | ((side == 0) & path.turned_left[sample])
+        return Candidates(
+            cell=path.cell[sample], sample=sample, angle_rad=curvature.angle_rad[sample], convex=convex,
+            frame=path.frame,
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class FindCorners:
+    """Keep the sharpest candidates of each kind within a window along the path."""
+
+    window_m: float = 0.25
+    """Window to either side where obstacle cells are sampled (paper)."""
+    crack_window_m: float = 0.12
+    """The same where cracks are sampled, but never less than 1.2 cells."""
+
+    def __call__(self, path: BoundaryPath, curvature: Curvature, candidates: Candidates) -> Corners:
+        """Corners in the order of the path; one for each plateau of equal angle, at its middle.
+
+        Where the middle falls between two obstacle cells of a convex plateau (the end of a wall two cells thick),
+        both cells are corners; a choice between them would not mirror with the map.
+        """
+        cell_m = path.frame.resolution_m
+        window_m = max(self.crack_window_m, 1.2 * cell_m) if path.on_cracks else self.window_m
+        peak = peaks(path, curvature, candidates, window_m)
+        sample, quarter = middles(path, candidates.sample[peak], candidates.convex[peak], window_m)
+        order = np.argsort(sample, kind="stable")
+        sample, quarter = sample[order], quarter[order]
+        convex = np.zeros(len(path.cell), np.bool_)
+        convex[candidates.sample] = candidates.convex
+        return Corners(
+            cell=path.cell[sample], sample=sample, quarter=quarter, angle_rad=curvature.angle_rad[sample],
+            convex=convex[sample], frame=path.frame,
+        )
+
+
+def cosine(curvature: Curvature) -> NDArray[np.float64]:
+    """Cosine (n,) of the angle between f and b; from whole numbers, so that equal bends give equal values."""
+    forward, backward = curvature.forward, curvature.backward
+    size = np.sqrt(dot(forward, forward) * dot(backward, backward).astype(np.float64))
+    return np.round(dot(forward, backward) / np.maximum(size, 1.0), 12)
+
+
+def gaps_m(path: BoundaryPath, one: NDArray[np.int32], other: NDArray[np.int32]) -> NDArray[np.float64]:
+    """Path length (k,) between samples of the same contour, the shorter way round."""
+    ahead_m = np.abs(path.arc_m[other] - path.arc_m[one])
+    return np.minimum(ahead_m, path.length_m[path.contour[one]] - ahead_m)
+
+
+def next_on_contour(path: BoundaryPath, sample: NDArray[np.int32], ahead: int) -> NDArray[np.intp]:
+    """Index into `sample` (k,), sorted, of the element `ahead` places on, cyclically within its contour."""
+    contour = path.contour[sample]
+    count = np.bincount(contour, minlength=len(path.first))
+    begin = np.cumsum(count) - count
+    return begin[contour] + (np.arange(len(sample)) - begin[contour] + ahead) % count[contour]
+
+
+def peaks(path: BoundaryPath, curvature: Curvature, candidates: Candidates, window_m: float) -> NDArray[np.bool_]:
+    """Candidates (k,) that no candidate of their kind within the window is sharper than."""
+    sharpness = cosine(curvature)[candidates.sample]
+    peak = np.ones(len(sharpness), np.bool_)
+    count = np.bincount(path.contour[candidates.sample])[path.contour[candidates.sample]]
+    # Candidates stand in the order of the path: once nobody has a neighbour so far ahead, nobody has one further on.
+    for ahead in range(1, count.max(initial=0)):
+        partner = next_on_contour(path, candidates.sample, ahead)
+        near = gaps_m(path, candidates.sample, candidates.sample[partner]) <= window_m + EPSILON
+        near &= ahead < count
+        if not near.any():
+            break
+        rival = near & (candidates.convex == candidates.convex[partner])
+        peak[rival & (sharpness[partner] > sharpness)] = False
+        peak[partner[rival & (sharpness > sharpness[partner])]] = False
+    return peak
+
+
+def middles(path: BoundaryPath, sample: NDArray[np.int32], convex: NDArray[np.bool_],
+            window_m: float) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
+    """Middle samples (m,) of the plateaus that the peaks form, and their places (m, 2) in quarter cells."""
+    after = next_on_contour(path, sample, 1)
+    linked = (gaps_m(path, sample, sample[after]) <= window_m + EPSILON) & (convex == convex[after])
+    linked &= after != np.arange(len(sample))
+    begins = np.ones(len(sample), np.bool_)
+    begins[after[linked]] = False
+    closed = np.bincount(path.contour[sample[begins]], minlength=len(path.first)) == 0
+    round_trip = closed[path.contour[sample]]
+
+    # A plateau may run over its contour's first sample: begin each contour's list at the beginning of a plateau.
+    order = _from_a_beginning(path.contour[sample], begins)
+    order = order[~round_trip[order]]
+    plateau = np.cumsum(begins[order]) - 1
+    size = np.bincount(plateau)
+    begin = np.cumsum(size) - size
+    low, high = order[begin + (size - 1) // 2], order[begin + size // 2]
+    quarter = path.half[sample[low]] + path.half[sample[high]]
+    two = convex[low] & (path.cell[sample[low]] != path.cell[sample[high]]).any(axis=1)
+
+    # A plateau that closes on itself (a pillar) has no middle: every obstacle cell of it is a corner.
+    pillar = np.flatnonzero(round_trip)
+    keys = np.column_stack([path.contour[sample[pillar]], path.cell[sample[pillar]]])
+    pillar = pillar[np.unique(keys, axis=0, return_index=True)[1]]
+    chosen = np.concatenate([low, high[two], pillar])
+    places = np.concatenate([np.where(two[:, None], 2 * path.half[sample[low]], quarter),
+                             2 * path.half[sample[high[two]]], 2 * path.half[sample[pillar]]])
+    return sample[chosen], places.astype(np.int32)
+
+
+def _from_a_beginning(group: NDArray[np.int32], begins: NDArray[np.bool_]) -> NDArray[np.intp]:
+    """Order (k,) that rotates each run of equal `group` so that it starts where `begins` is first set."""
+    count = np.bincount(group)
+    start = np.cumsum(count) - count
+    first = np.full(len(count), len(group))
+    np.minimum.at(first, group[begins], np.flatnonzero(begins))
+    shift = np.where(first < len(group), first - start, 0)
+    place = start[group] + (np.arange(len(group)) - start[group] - shift[group]) % count[group]
+    order = np.empty(len(group), np.intp)
+    order[place] = np.arange(len(group))
+    return order

@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
-from typing import Annotated, ClassVar
+import dataclasses
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Annotated, ClassVar, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from vdoor.errors import SettingError
 from vdoor.record import Record, Spec
+from vdoor.stages.cost import Bits, Costs, MergeProblem
+from vdoor.stages.flips import FlipState
 
 
 class Generation(Record):
@@ -29,3 +35,124 @@ class Generation(Record):
     """DegSD of the best string."""
     removed: Annotated[NDArray[np.bool_], Spec("bits", "edge")]
     """The best string, one bit per edge of the initial map."""
+
+
+class Search(Protocol):
+    """An optimiser: the best choice of doors so far, once a generation; the last one is the answer."""
+
+    def __call__(self, problem: MergeProblem, rng: np.random.Generator) -> Iterator[Generation]:
+        """Search; all randomness comes from `rng`."""
+        ...
+
+
+@dataclass(frozen=True, kw_only=True)
+class GeneticSearch:
+    """The genetic algorithm as printed: uniform crossover, uneven mutation, elitism."""
+
+    population: int = 50
+    generations: int = 50
+    crossover: float = 0.5
+    """Probability that two parents exchange a bit."""
+    mutate_to_removed: float = 0.1
+    """Probability that a 0 becomes 1."""
+    mutate_to_kept: float = 0.01
+    """Probability that a 1 becomes 0."""
+    start_removed: float = 0.5
+    """Probability of a 1 in the first population (not printed)."""
+
+    def __call__(self, problem: MergeProblem, rng: np.random.Generator) -> Iterator[Generation]:
+        """Generation 0 is the first population; survivors are the best of parents and offspring."""
+        strings = rng.random((self.population, problem.edges)) < self.start_removed
+        costs = problem.evaluate(strings)
+        yield summary(0, self.population, strings, costs)
+        for number in range(1, self.generations + 1):
+            offspring = self.offspring(strings, rng)
+            costs = Costs(*map(np.concatenate, zip(costs, problem.evaluate(offspring), strict=True)))
+            strings = np.concatenate([strings, offspring])
+            fittest = np.argsort(costs.cost, kind="stable")[: self.population]
+            strings, costs = strings[fittest], Costs(*(term[fittest] for term in costs))
+            yield summary(number, self.population * (number + 1), strings, costs)
+
+    def offspring(self, parents: Bits, rng: np.random.Generator) -> Bits:
+        """As many children (p, r) as parents: random pairs exchange bits (Fig. 4a), then bits flip (Fig. 4b)."""
+        mates = parents[rng.permutation(len(parents))]
+        half = -(-len(parents) // 2)
+        one, other = mates[:half], mates[-half:]
+        exchanged = rng.random(one.shape) < self.crossover
+        children = np.concatenate([np.where(exchanged, other, one), np.where(exchanged, one, other)])[: len(parents)]
+        chance = np.where(children, self.mutate_to_kept, self.mutate_to_removed)
+        return np.asarray(children ^ (rng.random(children.shape) < chance))
+
+
+@dataclass(frozen=True, kw_only=True)
+class ExhaustiveSearch:
+    """Every choice there is: proves the optimum."""
+
+    most_edges: int = 20
+    """Refuse larger problems: each edge more takes twice the time."""
+    batch: int = 4096
+    """Choices evaluated at once; one record a batch."""
+
+    def __call__(self, problem: MergeProblem, rng: np.random.Generator) -> Iterator[Generation]:
+        """The first of equally good choices wins, counting in binary; `rng` is not used."""
+        del rng
+        if problem.edges > self.most_edges:
+            raise SettingError(f"search.method = exhaustive: wanted at most {self.most_edges} doors, "
+                               f"found {problem.edges}; use annealing or genetic")
+        best: Generation | None = None
+        for number, begin in enumerate(range(0, 2**problem.edges, self.batch)):
+            choice = np.arange(begin, min(begin + self.batch, 2**problem.edges))
+            strings = (choice[:, None] >> np.arange(problem.edges) & 1).astype(np.bool_)
+            batch = summary(number, begin + len(choice), strings, problem.evaluate(strings))
+            if best is not None and best.best_cost <= batch.best_cost:
+                batch = with_best(batch, best)
+            best = batch
+            yield batch
+
+
+@dataclass(frozen=True, kw_only=True)
+class AnnealingSearch:
+    """Simulated annealing: one door flipped at a time, worse choices accepted ever more rarely."""
+
+    evaluations: int = 25_000
+    per_generation: int = 500
+    """Evaluations to one record."""
+    start_temperature: float = 1.0
+    end_temperature: float = 0.001
+
+    def __call__(self, problem: MergeProblem, rng: np.random.Generator) -> Iterator[Generation]:
+        """Starts with all doors kept, since then every flip is a local change."""
+        state = FlipState(problem)
+        if problem.edges == 0:
+            yield state.generation(0, 1, [state.cost])
+            return
+        ratio = self.end_temperature / self.start_temperature
+        for number, begin in enumerate(range(0, self.evaluations, self.per_generation)):
+            count = min(self.per_generation, self.evaluations - begin)
+            edges = rng.integers(problem.edges, size=count).tolist()
+            thresholds = (-np.log(1.0 - rng.random(count))).tolist()
+            seen = []
+            for step, (edge, threshold) in enumerate(zip(edges, thresholds, strict=True)):
+                temperature = self.start_temperature * ratio ** ((begin + step) / self.evaluations)
+                state.try_flip(edge, threshold * temperature)
+                seen.append(state.cost)
+            yield state.generation(number, begin + count, seen)
+
+
+def summary(number: int, evaluations: int, strings: Bits, costs: Costs) -> Generation:
+    """One record of a population (p, r) with its costs; the first of equally good strings is the best."""
+    best = int(np.argmin(costs.cost))
+    return Generation(
+        number=number, evaluations=evaluations, best_cost=float(costs.cost[best]),
+        mean_cost=float(costs.cost.mean()), worst_cost=float(costs.cost.max()),
+        small_rooms=int(costs.small_rooms[best]), area_sd_m2=float(costs.area_sd_m2[best]),
+        tilt_sd_deg=float(costs.tilt_sd_deg[best]), removed=strings[best],
+    )
+
+
+def with_best(generation: Generation, best: Generation) -> Generation:
+    """The generation with an earlier best string in place of its own."""
+    return dataclasses.replace(
+        generation, best_cost=best.best_cost, small_rooms=best.small_rooms, area_sd_m2=best.area_sd_m2,
+        tilt_sd_deg=best.tilt_sd_deg, removed=best.removed,
+    )

@@ -2,13 +2,21 @@
 
 from __future__ import annotations
 
+import math
+from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import ndimage
 
+from vdoor.errors import MapError
+from vdoor.grid import FREE, OCCUPIED, UNKNOWN, OccupancyGrid
 from vdoor.record import Frame, Record, Spec
 
+Mask = NDArray[np.bool_]
+
+ROBOT_REACH_M = 0.5
 REASONS = ("as it was", "unreachable", "jut", "notch", "island")
 
 
@@ -23,3 +31,155 @@ class SimplifiedGrid(Record):
     factor: Annotated[int, Spec("count")]
     """Input cells along one side of a working cell."""
     frame: Frame
+
+
+@dataclass(frozen=True, kw_only=True)
+class SimplifyGrid:
+    """Resample, keep what the robot can reach, drop small islands, flatten juts and notches."""
+
+    cell_m: float = 0.20
+    """Working resolution; 0 = the map's own. The nearest whole multiple of the map's cell is taken."""
+    robot_m: tuple[float, ...] = ()
+    """Where the robot is (x, y in the map frame); without it the largest free component is taken as reachable."""
+    jut_m: float = 0.15
+    """Longest run that counts as a jut or notch; at least one cell."""
+    passes: int = 3
+    """Flattening is repeated at most so often."""
+    max_island_m: float = 0.0
+    """Obstacles standing free whose bounding box is at most this long are removed; 0 keeps all (paper)."""
+
+    def __call__(self, grid: OccupancyGrid) -> SimplifiedGrid:
+        """Simplify `grid`; MapError where it has no free cell or the robot stands nowhere."""
+        factor = max(1, round(self.cell_m / grid.frame.resolution_m))
+        frame = working_frame(grid.frame, factor)
+        cells = resampled(grid, factor)
+        before = cells.copy()
+        reason = np.zeros(cells.shape, np.uint8)
+
+        free = self._reachable(cells == FREE, frame)
+        reason[(cells == FREE) & ~free] = REASONS.index("unreachable")
+        if self.max_island_m > 0:
+            islands = small_islands(free, max(1, round(self.max_island_m / frame.resolution_m)))
+            free |= islands
+            reason[islands] = REASONS.index("island")
+        run = max(1, round(self.jut_m / frame.resolution_m))
+        for name, changed in zip(("jut", "notch"), flatten(free, run, self.passes), strict=True):
+            reason[changed] = REASONS.index(name)
+
+        wall = touches(free) & ((before == OCCUPIED) | (reason == REASONS.index("notch")))
+        reason[(before == OCCUPIED) & ~free & ~wall] = REASONS.index("unreachable")
+        cells = np.where(free, FREE, np.where(wall, OCCUPIED, UNKNOWN)).astype(np.int8)
+        reason[cells == before] = 0
+        return SimplifiedGrid(cells=cells, reason=reason, factor=factor, frame=frame)
+
+    def _reachable(self, free: Mask, frame: Frame) -> Mask:
+        """The 4-connected component of `free` that holds the robot, else the largest."""
+        labels, count = ndimage.label(free)
+        if count == 0:
+            raise MapError("the map has no free cell, so there is nothing to divide into rooms")
+        if not self.robot_m:
+            return np.asarray(labels == 1 + np.argmax(np.bincount(labels.ravel())[1:]))
+        place = frame.cell_from_world(np.array([self.robot_m]))[0]
+        cells = np.argwhere(free)
+        nearest = cells[np.argmin(((cells - place) ** 2).sum(axis=1))]
+        if math.dist(nearest, place) * frame.resolution_m > ROBOT_REACH_M:
+            x_m, y_m = self.robot_m
+            raise MapError(f"robot at {x_m:g},{y_m:g}: wanted a free cell within {ROBOT_REACH_M} m, found none")
+        return np.asarray(labels == labels[tuple(nearest)])
+
+
+def working_frame(frame: Frame, factor: int) -> Frame:
+    """The frame of cells `factor` times as large, their rows and columns counted from the same upper left corner."""
+    height, width = -(-frame.height // factor), -(-frame.width // factor)
+    corner_m = frame.world_from_cell(np.array([[height * factor - 0.5, -0.5]]))[0]
+    return Frame(height, width, frame.resolution_m * factor, float(corner_m[0]), float(corner_m[1]), frame.yaw_rad)
+
+
+def resampled(grid: OccupancyGrid, factor: int) -> NDArray[np.int8]:
+    """Working cells: occupied if any of its input cells is, else free if any is, else unknown.
+
+    Any-occupied keeps every wall closed; a majority would lose a third of the narrow doors with it.
+    """
+    occupied, free = grid.occupied, grid.free
+    if factor > 1:
+        occupied, free = (any_in_block(mask, factor) for mask in (occupied, free))
+    cells = np.full(occupied.shape, UNKNOWN, np.int8)
+    cells[free] = FREE
+    cells[occupied] = OCCUPIED
+    return cells
+
+
+def any_in_block(mask: Mask, factor: int) -> Mask:
+    """Whether any cell of each `factor` x `factor` block is set; blocks beyond the edge are filled with False."""
+    height, width = mask.shape
+    padded = np.pad(mask, ((0, -height % factor), (0, -width % factor)))
+    blocks = padded.reshape(padded.shape[0] // factor, factor, padded.shape[1] // factor, factor)
+    return np.asarray(blocks.any(axis=(1, 3)))
+
+
+def small_islands(free: Mask, size: int) -> Mask:
+    """Cells of 8-connected obstacles that lie within the free space and in a box of `size` cells."""
+    labels, _ = ndimage.label(np.pad(~free, 1, constant_values=True), np.ones((3, 3)))
+    outer = labels[0, 0]
+    small = np.zeros(labels.max() + 1, np.bool_)
+    for label, box in enumerate(ndimage.find_objects(labels), start=1):
+        small[label] = label != outer and max(side.stop - side.start for side in box) <= size
+    return np.asarray(small[labels][1:-1, 1:-1])
+
+
+def touches(free: Mask) -> Mask:
+    """Cells that are not free and have a free cell among their eight neighbours."""
+    return np.asarray(ndimage.maximum_filter(free, 3, mode="constant") & ~free)
+
+
+def flatten(free: Mask, run: int, passes: int) -> tuple[Mask, Mask]:
+    """Flatten juts and notches of `free` in place; returns the cells that became free, and those that no longer are.
+
+    A jut is a run of at most `run` cells, one deep, on a wall that goes on at least one cell past both ends. A notch
+    is the same with free and obstacle exchanged. All four directions are judged on the same state, so that the result
+    turns and mirrors with the map.
+    """
+    state = np.pad(free, 2)
+    start = state.copy()
+    near = np.flatnonzero(np.diff(state, axis=0, append=False) | np.diff(state, axis=1, append=False))
+    near = spread(near, state, 1)
+    for _ in range(passes):
+        changed = np.concatenate([runs(state, near, run, value) for value in (False, True)])
+        if not len(changed):
+            break
+        state.reshape(-1)[changed] ^= True
+        near = spread(changed, state, run + 2)
+    free[:] = state[2:-2, 2:-2]
+    return (state & ~start)[2:-2, 2:-2], (start & ~state)[2:-2, 2:-2]
+
+
+def spread(index: NDArray[np.intp], state: Mask, reach: int) -> NDArray[np.intp]:
+    """Flat indices within `reach` cells (as a square) of any in `index`, away from the padding."""
+    mask = np.zeros(state.size, np.bool_)
+    step = np.arange(-reach, reach + 1)
+    for offset in (step[:, None] * state.shape[1] + step).ravel():
+        mask[np.clip(index + offset, 0, state.size - 1)] = True
+    inner = np.zeros(state.shape, np.bool_)
+    inner[2:-2, 2:-2] = True
+    return np.flatnonzero(mask & inner.ravel())
+
+
+def runs(state: Mask, near: NDArray[np.intp], longest: int, value: bool) -> NDArray[np.intp]:
+    """Flat indices of all cells in runs of `value`, up to `longest` cells long and one deep, on a base of `value`."""
+    flat = state.reshape(-1)
+    found = []
+    width = state.shape[1]
+    for along, up in ((1, -width), (1, width), (width, -1), (width, 1)):
+        # first cells of a run: the cell before is other, the tip side is other, the base goes on before
+        at = near[flat[near] == value]
+        for offset, wanted in ((-along, not value), (up, not value), (up - along, not value),
+                               (-up, value), (-up - along, value)):
+            at = at[flat[at + offset] == wanted]
+        for length in range(1, longest + 1):
+            end = at + length * along  # one past the run
+            closed = flat[end] != value
+            closed &= (flat[end + up] != value) & (flat[end - up] == value)
+            found += [at[closed] + step * along for step in range(length)]
+            goes_on = (flat[end] == value) & (flat[end + up] != value) & (flat[end - up] == value)
+            at = at[goes_on]
+    return np.concatenate(found)

@@ -1,0 +1,180 @@
+"""Maps of ROS map_server and Nav2: a YAML file and the image it names.
+
+The semantics are those of Nav2's main branch (see `occupancy`). Scalars are kept as text and then parsed here, since
+YAML 1.1 as PyYAML reads it and yaml-cpp, which Nav2 uses, differ in numbers: 5e-2 is text to the one and 010 is eight.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, TypeVar, cast
+
+import yaml
+
+from vdoor.errors import MapError
+from vdoor.formats import images
+from vdoor.formats.occupancy import Mode, Rule, cells_from_image
+from vdoor.formats.reading import Request, base_name, checked_resolution_m, finite, number, shown
+from vdoor.grid import OccupancyGrid
+
+T = TypeVar("T")
+MAX_BYTES = 65_536
+MODES: tuple[Mode, ...] = ("trinary", "scale", "raw")
+TRUE, FALSE = ("y", "yes", "true", "on"), ("n", "no", "false", "off")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Header:
+    """What the YAML says."""
+
+    image: str
+    resolution_m: float
+    origin: tuple[float, float, float]
+    """x and y in metres and yaw in radians, which may be nan."""
+    rule: Rule
+
+
+def read(request: Request) -> OccupancyGrid:
+    """Grid of a YAML file and its image, which is looked for among the request's files by base name alone."""
+    name = request.name
+    with request.naming(name):
+        header = parse(request.data(name))
+        resolution_m = _agreed_resolution_m(header.resolution_m, request.resolution_m)
+    image_name = base_name(header.image)
+    with request.naming(image_name):
+        image = images.decode(request.data(image_name), max_cells=request.max_cells)
+        cells = cells_from_image(image, header.rule, request=request, name=name)
+    _note_oddities(header, request)
+    x_m, y_m, yaw_rad = header.origin
+    return OccupancyGrid.from_array(
+        cells,
+        resolution_m,
+        x_m=x_m,
+        y_m=y_m,
+        yaw_rad=0.0 if math.isnan(yaw_rad) else yaw_rad,
+        source=request.source,
+    )
+
+
+def image_paths(data: bytes) -> tuple[str, ...]:
+    """Paths of the further files that a YAML file needs, as it writes them: relative to itself, or absolute."""
+    return (parse(data).image,)
+
+
+def parse(data: bytes) -> Header:
+    """Header in a YAML file; MapError where it is no map_server file or a value cannot be."""
+    table = _table(data)
+    return Header(
+        image=_value(table, "image", _file),
+        resolution_m=_value(table, "resolution", lambda text: checked_resolution_m(number(text))),
+        origin=_value(table, "origin", _origin),
+        rule=Rule(
+            mode=_value(table, "mode", _mode) if "mode" in table else "trinary",
+            negate=_value(table, "negate", _flag),
+            free_thresh=_value(table, "free_thresh", _threshold),
+            occupied_thresh=_value(table, "occupied_thresh", _threshold),
+        ),
+    )
+
+
+def _table(data: bytes) -> Mapping[str, Any]:
+    """YAML as a table of texts, lists and tables."""
+    if len(data) > MAX_BYTES:
+        msg = f"YAML: wanted at most {MAX_BYTES} bytes, found {len(data)}"
+        raise MapError(msg)
+    try:
+        # Safe: this loader makes texts, lists and tables, resolves no tag and merges no keys.
+        table = yaml.load(data, Loader=yaml.BaseLoader)  # noqa: S506
+    except (yaml.YAMLError, ValueError, OverflowError, RecursionError) as error:
+        problem = getattr(error, "problem", None) or type(error).__name__
+        mark = getattr(error, "problem_mark", None)
+        msg = f"YAML{f', line {mark.line + 1}' if mark else ''}: wanted a map_server file, found {shown(problem)}"
+        raise MapError(msg) from None
+    if not isinstance(table, dict):
+        msg = f"YAML: wanted a table of keys, found {shown(table)}"
+        raise MapError(msg)
+    return cast("Mapping[str, Any]", table)
+
+
+def _value(table: Mapping[str, Any], key: str, convert: Callable[[Any], T]) -> T:
+    """Converted value of a required key; MapError names the key."""
+    if key not in table:
+        msg = f"YAML: wanted the key {key}, found none"
+        raise MapError(msg)
+    try:
+        return convert(table[key])
+    except MapError as error:
+        text = str(error)
+        msg = text if text.startswith(key) else f"{key}: {text}"
+        raise MapError(msg) from None
+
+
+def _file(text: Any) -> str:
+    if isinstance(text, str) and base_name(text):
+        return text
+    msg = f"wanted the path of an image, found {shown(text)}"
+    raise MapError(msg)
+
+
+def _origin(values: Any) -> tuple[float, float, float]:
+    wanted = 3
+    if not isinstance(values, list) or len(values) != wanted:
+        msg = f"wanted [x, y, yaw], found {shown(values)}"
+        raise MapError(msg)
+    x_m, y_m, yaw = values
+    yaw_rad = number(yaw)
+    return finite(x_m), finite(y_m), yaw_rad if math.isnan(yaw_rad) else finite(yaw)
+
+
+def _threshold(text: Any) -> float:
+    value = finite(text)
+    if 0 <= value <= 1:
+        return value
+    msg = f"wanted 0 to 1, found {shown(text)}"
+    raise MapError(msg)
+
+
+def _flag(text: Any) -> bool:
+    """Truth of a flag; Nav2 reads a whole number first (all but 0 are true), then the words of YAML."""
+    word = text.lower() if isinstance(text, str) else ""
+    if word in TRUE + FALSE:
+        return word in TRUE
+    try:
+        return int(word) != 0
+    except ValueError:
+        msg = f"wanted 0, 1, true or false, found {shown(text)}"
+        raise MapError(msg) from None
+
+
+def _mode(text: Any) -> Mode:
+    word = text.lower() if isinstance(text, str) else ""
+    for mode in MODES:
+        if word == mode:
+            return mode
+    msg = f"wanted {', '.join(MODES[:-1])} or {MODES[-1]}, found {shown(text)}"
+    raise MapError(msg)
+
+
+def _agreed_resolution_m(written_m: float, said_m: float | None) -> float:
+    """Metres a cell as the YAML writes it; MapError where the user says another."""
+    if said_m is not None and not math.isclose(written_m, said_m, rel_tol=1e-9):
+        msg = f"resolution: wanted {said_m:g} m a cell as asked for, found {written_m:g} m"
+        raise MapError(msg)
+    return written_m
+
+
+def _note_oddities(header: Header, request: Request) -> None:
+    """Note what is legal but often a slip."""
+    yaw_rad, rule = header.origin[2], header.rule
+    if math.isnan(yaw_rad):
+        request.note("origin: yaw is nan, read as 0", request.name)
+    elif yaw_rad != 0:
+        request.note(f"origin: the map is turned by {yaw_rad:g} rad; coordinates turn with it", request.name)
+    if rule.mode != "raw" and rule.free_thresh >= rule.occupied_thresh:
+        request.note(
+            f"free_thresh {rule.free_thresh:g} is not below occupied_thresh {rule.occupied_thresh:g}; "
+            "where both hold a cell is free, as Nav2 has it",
+            request.name,
+        )

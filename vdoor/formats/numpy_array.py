@@ -1,0 +1,70 @@
+"""NumPy arrays: .npy files of int8 (h, w), row 0 = top, -1 unknown, 0 free to 100 occupied."""
+
+from __future__ import annotations
+
+import io
+import struct
+import tokenize
+import warnings
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.lib import format as npy
+from numpy.typing import NDArray
+
+from vdoor.errors import MapError
+from vdoor.formats.reading import Request, check_size
+from vdoor.grid import OCCUPIED, UNKNOWN, OccupancyGrid
+
+Shape = tuple[int, ...]
+HEADERS: dict[tuple[int, int], Callable[[io.BytesIO], tuple[Shape, bool, np.dtype[Any]]]] = {
+    (1, 0): npy.read_array_header_1_0,
+    (2, 0): npy.read_array_header_2_0,
+}
+# What NumPy's header parser raises on damaged files.
+DAMAGE = (ValueError, TypeError, LookupError, AttributeError, SyntaxError, EOFError, MemoryError, RecursionError,
+          OverflowError, struct.error, tokenize.TokenError)  # fmt: skip
+
+
+def read(request: Request) -> OccupancyGrid:
+    """Grid of a .npy file, lower left corner at (0, 0), 0.05 m a cell unless the request says otherwise."""
+    name = request.name
+    with request.naming(name):
+        if request.unknown_value is not None:
+            msg = "unknown value: wanted none for an array, where -1 is unknown, found one"
+            raise MapError(msg)
+        cells = decode(request.data(name), max_cells=request.max_cells)
+        return OccupancyGrid.from_array(cells, request.resolution_or_default_m(name), source=request.source)
+
+
+def decode(data: bytes, *, max_cells: int) -> NDArray[np.int8]:
+    """Cells (h, w) of a .npy file; MapError where it holds anything but occupancy. Nothing is ever unpickled."""
+    stream = io.BytesIO(data)
+    shape, fortran_order, dtype = _header(stream)
+    dimensions = 2
+    if dtype != np.int8 or len(shape) != dimensions:
+        msg = f"array: wanted int8 in 2 dimensions, found {dtype} in {len(shape)}"
+        raise MapError(msg)
+    height, width = shape
+    check_size(height, width, max_cells=max_cells)
+    found = len(data) - stream.tell()
+    if found < height * width:
+        msg = f"array: wanted {height * width} cells, found {found}"
+        raise MapError(msg)
+    flat = np.frombuffer(data, np.int8, height * width, stream.tell())
+    if flat.min() < UNKNOWN or flat.max() > OCCUPIED:
+        msg = f"array: wanted values of {UNKNOWN} to {OCCUPIED}, found {flat.min()} to {flat.max()}"
+        raise MapError(msg)
+    return flat.reshape(shape, order="F" if fortran_order else "C")
+
+
+def _header(stream: io.BytesIO) -> tuple[Shape, bool, np.dtype[Any]]:
+    """Shape, whether columns come first, and type; the stream is left at the first cell."""
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            return HEADERS[npy.read_magic(stream)](stream)
+    except DAMAGE:
+        msg = "array: wanted a .npy file of version 1 or 2, found something else or a damaged one"
+        raise MapError(msg) from None

@@ -1,0 +1,88 @@
+"""What a recording says about itself: the run's settings and source as text, and back."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from vdoor.emit import RunInfo
+from vdoor.errors import RecordingError
+from vdoor.grid import Source
+
+SCHEMA = "1"
+"""Raised when a recording of before can no longer be read; a record's own fields are checked one by one beside it."""
+
+
+def digest(source: Source) -> str:
+    """SHA-256 of a source: of the lines ``digest  name`` of its files, as ``sha256sum FILES | sha256sum`` prints it."""
+    lines = "".join(f"{_sha256(data)}  {name}\n" for name, data in source.files)
+    return _sha256(lines.encode())
+
+
+def to_text(info: RunInfo) -> dict[str, str]:
+    """All of a run's information but the bytes of its source files, as names and texts."""
+    return {
+        "schema": SCHEMA,
+        "version": info.version,
+        "preset": info.preset,
+        "seed": str(info.seed),
+        "settings": json.dumps(info.settings, sort_keys=True),
+        "source_options": json.dumps(info.source.options, sort_keys=True),
+        "source_files": json.dumps([name for name, _ in info.source.files]),
+        "source_sha256": json.dumps([_sha256(data) for _, data in info.source.files]),
+        "sha256": digest(info.source),
+    }
+
+
+def from_text(text: Mapping[str, str], files: Sequence[tuple[str, bytes]]) -> RunInfo:
+    """Information on a run from its texts and the source files that were stored with it.
+
+    Raises `RecordingError` where the schema is another, a text is missing or no such text, or a file is not the one
+    that was recorded.
+    """
+    names = source_names(text)
+    try:
+        info = RunInfo(
+            version=text["version"],
+            preset=text["preset"],
+            seed=int(text["seed"]),
+            settings=_of(dict, json.loads(text["settings"])),
+            source=Source(files=tuple(files), options=_of(dict, json.loads(text["source_options"]))),
+        )
+        sums = _of(list, json.loads(text["source_sha256"]))
+    except KeyError as error:
+        msg = f"recording metadata: wanted an entry {error}, found {', '.join(text)}"
+        raise RecordingError(msg) from error
+    except (TypeError, ValueError, RecursionError) as error:
+        msg = f"recording metadata: wanted the texts of a run, found others ({error})"
+        raise RecordingError(msg) from error
+    if [name for name, _ in files] != names or [_sha256(data) for _, data in files] != sums:
+        msg = f"recording attachments: wanted {', '.join(names)} as recorded, found other names or bytes"
+        raise RecordingError(msg)
+    return info
+
+
+def source_names(text: Mapping[str, str]) -> list[str]:
+    """Names of the source files that were stored with a recording, in order; `RecordingError` for another schema."""
+    if text.get("schema") != SCHEMA:
+        found = f"{text.get('schema')} (written by vdoor {text.get('version', 'unknown')})"
+        msg = f"recording schema: wanted {SCHEMA}, found {found}; read it with that version, or record it again"
+        raise RecordingError(msg)
+    try:
+        return [str(name) for name in _of(list, json.loads(text["source_files"]))]
+    except (KeyError, TypeError, ValueError, RecursionError) as error:
+        msg = f"recording metadata: wanted a list of source files, found none ({error})"
+        raise RecordingError(msg) from error
+
+
+def _of(kind: type, value: Any) -> Any:
+    if not isinstance(value, kind):
+        msg = f"{type(value).__name__} for a {kind.__name__}"
+        raise TypeError(msg)
+    return value
+
+
+def _sha256(data: bytes) -> str:
+    return hashlib.sha256(data).hexdigest()

@@ -1,0 +1,285 @@
+"""MCAP files: the sink that records a run, and the reader; the only module that imports mcap.
+
+The file holds nothing of the clock or the host, so that equal runs give equal bytes.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import dataclasses
+import io
+import os
+import struct
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vdoor.emit import RunInfo
+from vdoor.errors import RecordingError
+from vdoor.grid import OccupancyGrid
+from vdoor.record import Record
+from vdoor.recording import about, codec, ros, viewers
+from vdoor.recording.hold import held_signals
+
+if TYPE_CHECKING:
+    from mcap.records import McapRecord, Message
+
+METADATA = "vdoor"
+EPOCH_NS, STEP_NS = 1_577_836_800 * ros.NS_PER_S, 100_000_000
+"""Log time of step 0 (the year 2020), and between steps: any fixed times do, viewers play ten steps a second."""
+CHUNK_TO = 2**30
+"""Bytes of a chunk unpacked, at most: a raster of 16,384 x 16,384 labels."""
+SIZE_UNKNOWN = -1
+
+
+def time_ns(step: int) -> int:
+    """Log time, publish time and header stamp of a step."""
+    return EPOCH_NS + step * STEP_NS
+
+
+class McapSink:
+    """Records a run in an MCAP file (ROS 2 profile, CDR, zstd, all CRCs and indexes).
+
+    What `write` was given is in the file when it returns. Raises `RecordingError` where the file cannot be written.
+    """
+
+    def __init__(self, path: Path, info: RunInfo) -> None:
+        from mcap.writer import Writer  # noqa: PLC0415  # only recordings need it
+
+        self.path = path
+        self._schemas: dict[str, int] = {}
+        self._channels: dict[str, int] = {}
+        self._cells: NDArray[np.int8] | None = None
+        self._whole = True
+        with self._writing():
+            self._stream = path.open("wb")
+            self._writer = Writer(self._stream, enable_data_crcs=True)
+            self._writer.start(profile="ros2")
+            self._writer.add_metadata(METADATA, about.to_text(info))
+            for name, data in info.source.files:
+                self._writer.add_attachment(EPOCH_NS, EPOCH_NS, name, "application/octet-stream", data)
+            self._writer.flush()  # type: ignore[no-untyped-call]
+
+    def write(self, step: int, record: Record) -> None:
+        """Write one record and what viewers get beside it; when this returns, it survives a kill."""
+        if isinstance(record, OccupancyGrid):
+            self._cells = record.cells
+        now_ns = time_ns(step)
+        messages = [*codec.encode(record, time_ns=now_ns)]
+        messages += viewers.for_viewers(record, time_ns=now_ns, cells=self._cells)
+        with self._writing():
+            for topic, name, data in messages:
+                self._writer.add_message(self._channel(topic, name), now_ns, data, now_ns, step)  # type: ignore[arg-type]  # any buffer will do
+            self._writer.flush()  # type: ignore[no-untyped-call]
+
+    def close(self) -> None:
+        """Write the indexes and close the file; of a file that could not be written, only close it."""
+        if self._stream.closed:
+            return
+        if not self._whole:
+            with contextlib.suppress(OSError):
+                self._stream.close()
+            return
+        with self._writing():
+            self._writer.finish()  # type: ignore[no-untyped-call]
+            self._stream.close()
+
+    def _channel(self, topic: str, name: str) -> int:
+        """Give the number of the channel of `topic` with messages of type `name`, made at first use."""
+        if name not in self._schemas:
+            self._schemas[name] = self._writer.register_schema(name, "ros2msg", ros.definition(name))
+        if topic not in self._channels:
+            self._channels[topic] = self._writer.register_channel(topic, "cdr", self._schemas[name])
+        return self._channels[topic]
+
+    @contextlib.contextmanager
+    def _writing(self) -> Iterator[None]:
+        """Write whole records: signals wait, and after an error there is no more of this file."""
+        try:
+            with held_signals():
+                yield
+        except OSError as error:
+            self._whole = False
+            msg = f"recording: cannot be written ({error.strerror}): {self.path}"
+            raise RecordingError(msg) from error
+
+
+@dataclass(frozen=True)
+class Recording:
+    """A recorded run: what it was, and when iterated over, each step with its record, in order.
+
+    Iterating reads the file as it goes, with at most one record in memory and every checksum compared. Where the file
+    is damaged or cut short, the steps that came whole before are given out first, then `RecordingError` is raised.
+    """
+
+    path: Path
+    info: RunInfo
+    types: tuple[type[Record], ...]
+
+    def __iter__(self) -> Iterator[tuple[int, Record]]:
+        """Pairs of step and record; `RecordingError` for parts that are missing, unknown or do not fit the record."""
+        with _naming(self.path):
+            for step, record in _records(self.path, {record.topic: record for record in self.types}):
+                if isinstance(record, OccupancyGrid):
+                    yield step, dataclasses.replace(record, source=self.info.source)
+                else:
+                    yield step, record
+
+
+def read_recording(path: Path, *, types: Sequence[type[Record]]) -> Recording:
+    """Recording in `path`, of records of the given types.
+
+    Raises `RecordingError` where there is none, or one of another schema; damage further on is found when iterating.
+    """
+    with _naming(path):
+        return Recording(path, _info(path), tuple(types))
+
+
+def _info(path: Path) -> RunInfo:
+    """Information on the run, from the metadata and attachments, which come first in a file."""
+    from mcap.records import Attachment, Metadata  # noqa: PLC0415  # only recordings need it
+
+    text: dict[str, str] | None = None
+    names: list[str] = []
+    files: list[tuple[str, bytes]] = []
+    for record in _scan(path):
+        if isinstance(record, Metadata) and record.name == METADATA:
+            text, names = record.metadata, about.source_names(record.metadata)
+        elif isinstance(record, Attachment):
+            files.append((record.name, record.data))
+        if text is not None and len(files) >= len(names):
+            return about.from_text(text, files)
+    msg = f"recording: wanted metadata named {METADATA}, {'its source files, ' if text else ''}found none"
+    raise RecordingError(msg)
+
+
+def _records(path: Path, known: Mapping[str, type[Record]]) -> Iterator[tuple[int, Record]]:
+    """Pairs of step and record of the file, each given out as soon as its last part is there."""
+    gathered: dict[str, bytes] = {}
+    at = (-1, "")
+    for topic, name, message in _messages(path):
+        kind, part = _find(topic, name, known=known)
+        here = (_step(topic, message.log_time), kind.topic)
+        if (gathered and here != at) or part in gathered:
+            break
+        if not gathered and here[0] <= at[0]:
+            msg = f"{topic}: wanted a step after {at[0]}, found {here[0]}"
+            raise RecordingError(msg)
+        at = here
+        gathered[part] = message.data
+        if gathered.keys() == codec.parts(kind).keys():
+            record = codec.decode(kind, gathered)
+            gathered = {}  # before the yield, or the messages would stay in memory beside the record
+            yield at[0], record
+    if gathered:
+        missing = codec.parts(known[at[1]]).keys() - gathered.keys()
+        msg = f"step {at[0]} ({at[1]}): wanted one message a part, found none or two of {', '.join(sorted(missing))}"
+        raise RecordingError(msg)
+
+
+def _find(topic: str, name: str, *, known: Mapping[str, type[Record]]) -> tuple[type[Record], str]:
+    """Type of record and the part that a topic belongs to; its messages are of ROS type `name`."""
+    prefix, _, part = topic.rpartition("/")
+    kind = known.get(prefix.removeprefix(f"{codec.PREFIX}/"))
+    if kind is None or part not in codec.parts(kind) or topic != f"{codec.PREFIX}/{kind.topic}/{part}":
+        wanted = ", ".join(
+            f"{codec.PREFIX}/{t}/({'|'.join(codec.parts(known[t]))})" for t in ([kind.topic] if kind else known)
+        )
+        msg = f"topic {topic}: unknown, wanted {wanted}"
+        raise RecordingError(msg)
+    if codec.parts(kind)[part].message != name:
+        msg = f"topic {topic}: wanted {codec.parts(kind)[part].message} in cdr, found {name}"
+        raise RecordingError(msg)
+    return kind, part
+
+
+def _step(topic: str, log_time_ns: int) -> int:
+    step, rest_ns = divmod(log_time_ns - EPOCH_NS, STEP_NS)
+    if step < 0 or rest_ns:
+        msg = f"topic {topic}: wanted the log time of a step, found {log_time_ns} ns"
+        raise RecordingError(msg)
+    return step
+
+
+def _messages(path: Path) -> Iterator[tuple[str, str, Message]]:
+    """Topic, ROS type and message, of all that are parts of records."""
+    from mcap.records import Channel, Message, Schema  # noqa: PLC0415  # only recordings need it
+
+    names: dict[int, str] = {}
+    channels: dict[int, tuple[str, str]] = {}
+    for record in _scan(path):
+        for item in _unpacked(record):
+            if isinstance(item, Schema):
+                names[item.id] = item.name if item.encoding == "ros2msg" else f"{item.name} ({item.encoding})"
+            elif isinstance(item, Channel):
+                encoding = "" if item.message_encoding == "cdr" else f" ({item.message_encoding})"
+                channels[item.id] = item.topic, names.get(item.schema_id, "no schema") + encoding
+            elif isinstance(item, Message):
+                topic, name = channels.get(item.channel_id, (f"of unknown channel {item.channel_id}", "no schema"))
+                if topic not in viewers.TOPICS:
+                    yield topic, name, item
+
+
+def _unpacked(record: McapRecord) -> list[McapRecord]:
+    """Records in a chunk, once its size is known to be no lie; any other record as it is."""
+    import zstandard  # noqa: PLC0415  # only recordings need it
+    from mcap.records import Chunk  # noqa: PLC0415
+    from mcap.stream_reader import breakup_chunk  # noqa: PLC0415
+
+    if not isinstance(record, Chunk):
+        return [record]
+    if record.compression not in {"zstd", ""}:
+        msg = f"recording: wanted chunks packed with zstd or not at all, found {record.compression!r}"
+        raise RecordingError(msg)
+    claims = {record.uncompressed_size}
+    if record.compression:
+        claims.add(zstandard.frame_content_size(record.data))
+    if len(claims - {SIZE_UNKNOWN}) > 1 or max(claims) > CHUNK_TO:
+        msg = f"recording: wanted a chunk of at most {CHUNK_TO} bytes, found one that claims {max(claims)}"
+        raise RecordingError(msg)
+    return breakup_chunk(record, validate_crc=True)
+
+
+def _scan(path: Path) -> Iterator[McapRecord]:
+    """All records of the file's own level, chunks in one piece, with the checksum of the whole compared."""
+    from mcap.stream_reader import StreamReader  # noqa: PLC0415  # only recordings need it
+
+    with _Bounded(io.FileIO(path)) as stream:
+        yield from StreamReader(stream, emit_chunks=True, validate_crcs=True, record_size_limit=None).records
+
+
+class _Bounded(io.BufferedReader):
+    """A file that makes room for no more bytes than it has left, however long a record claims to be."""
+
+    def read(self, size: int | None = -1, /) -> bytes:
+        left = os.fstat(self.fileno()).st_size - self.tell()
+        return super().read(left if size is None else min(size, left))
+
+
+@contextlib.contextmanager
+def _naming(path: Path) -> Iterator[None]:
+    """Turn what reading raises into a `RecordingError` that ends with the path."""
+    import zstandard  # noqa: PLC0415  # only recordings need it
+    from mcap.exceptions import EndOfFile, InvalidMagic, McapError  # noqa: PLC0415
+
+    try:
+        yield
+    except RecordingError as error:
+        msg = f"{error}: {path}"
+        raise RecordingError(msg) from error
+    except OSError as error:
+        msg = f"recording: cannot be read ({error.strerror}): {path}"
+        raise RecordingError(msg) from error
+    except (EndOfFile, struct.error) as error:
+        msg = f"recording: wanted the end of an MCAP file, found it cut short: {path}"
+        raise RecordingError(msg) from error
+    except InvalidMagic as error:
+        msg = f"recording: wanted an MCAP file, found none: {path}"
+        raise RecordingError(msg) from error
+    except (McapError, zstandard.ZstdError, ValueError, OverflowError, MemoryError) as error:
+        msg = f"recording: damaged ({error}): {path}"
+        raise RecordingError(msg) from error

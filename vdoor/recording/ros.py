@@ -1,0 +1,74 @@
+"""ROS 2 messages, made and read back as CDR bytes; the only module that imports rosbags."""
+
+from __future__ import annotations
+
+import functools
+import struct
+from typing import TYPE_CHECKING, Any
+
+from vdoor.errors import RecordingError
+
+if TYPE_CHECKING:
+    from rosbags.typesys.store import Typestore
+
+FRAME_ID = "map"
+NS_PER_S = 1_000_000_000
+
+
+@functools.cache
+def store() -> Typestore:
+    """Message types of one ROS 2 release; the ones used here have long been the same in all."""
+    from rosbags.typesys import Stores, get_typestore  # noqa: PLC0415  # only recordings need it
+
+    return get_typestore(Stores.ROS2_JAZZY)
+
+
+def make(name: str, /, **fields: Any) -> Any:
+    """Message of type `name` (``nav_msgs/msg/OccupancyGrid``) with all of its fields given."""
+    return store().types[name](**fields)
+
+
+def pack(message: Any) -> memoryview:
+    """Bytes of a message as little-endian CDR."""
+    return store().serialize_cdr(message, message.__msgtype__, little_endian=True)
+
+
+def unpack(data: bytes | memoryview, name: str) -> Any:
+    """Message of type `name` in `data`; its arrays look into `data`, so sizes that lie cost no memory.
+
+    Raises `RecordingError` where the bytes are not such a message.
+    """
+    from rosbags.serde import SerdeError  # noqa: PLC0415  # only recordings need it
+
+    try:
+        return store().deserialize_cdr(data, name)
+    except (SerdeError, struct.error, ValueError, IndexError, OverflowError) as error:
+        msg = f"wanted a {name} message, found bytes that are none ({error})"
+        raise RecordingError(msg) from error
+
+
+def definition(name: str) -> bytes:
+    """Definition of message type `name` and of all types in it, as ``ros2msg`` schemas hold it."""
+    text, _ = store().generate_msgdef(name, ros_version=2)
+    return text.encode()
+
+
+def stamp(time_ns: int) -> Any:
+    """ROS time of `time_ns` since 1970."""
+    return make("builtin_interfaces/msg/Time", sec=time_ns // NS_PER_S, nanosec=time_ns % NS_PER_S)
+
+
+def header(time_ns: int) -> Any:
+    """Header in the map frame."""
+    return make("std_msgs/msg/Header", stamp=stamp(time_ns), frame_id=FRAME_ID)
+
+
+def point(x_m: float, y_m: float) -> Any:
+    """Point on the floor."""
+    return make("geometry_msgs/msg/Point", x=float(x_m), y=float(y_m), z=0.0)
+
+
+def pose(x_m: float = 0.0, y_m: float = 0.0, *, z: float = 0.0, w: float = 1.0) -> Any:
+    """Pose on the floor, turned about the vertical by the quaternion (0, 0, z, w)."""
+    turn = make("geometry_msgs/msg/Quaternion", x=0.0, y=0.0, z=float(z), w=float(w))
+    return make("geometry_msgs/msg/Pose", position=point(x_m, y_m), orientation=turn)

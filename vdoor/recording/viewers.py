@@ -1,0 +1,175 @@
+"""Messages beside the records, for other people's viewers: markers, a coloured picture and a line of log each.
+
+They repeat what the records say and are never read back, so they know the records' topics and fields by name.
+"""
+
+from __future__ import annotations
+
+import colorsys
+import functools
+import io
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vdoor.grid import FREE_TO
+from vdoor.record import RASTERS, SCALARS, Record, specs, tables
+from vdoor.recording import ros
+
+MARKERS, PICTURE, LOG = "/vdoor/markers", "/vdoor/map/picture", "/rosout"
+TOPICS = (MARKERS, PICTURE, LOG)
+INFO = 20
+CUBE_LIST, LINE_LIST, TEXT, DELETE_ALL = 6, 5, 9, 3
+PICTURE_TO_PX = 4096
+"""Longest side of the picture; a larger map is shown by every second, third, ... cell."""
+GREY_FREE, GREY_UNKNOWN, GREY_OCCUPIED = 254, 205, 0
+HUES = 251
+"""Colours for rooms: with the three greys they fill most of an 8 bit palette."""
+
+Segments = NDArray[np.float64]
+"""Lines (k, 2, 2) as start and end, each x, y in metres."""
+
+
+def for_viewers(
+    record: Record, *, time_ns: int, cells: NDArray[np.int8] | None
+) -> Iterator[tuple[str, str, memoryview]]:
+    """Topic, ROS type and CDR bytes of what viewers get beside a record; `cells` is the map as it was read."""
+    yield LOG, "rcl_interfaces/msg/Log", ros.pack(_log(record, time_ns))
+    if record.topic in DRAW:
+        yield MARKERS, "visualization_msgs/msg/MarkerArray", ros.pack(_markers(record, time_ns))
+    if record.topic == "map" and cells is not None:
+        yield PICTURE, "sensor_msgs/msg/CompressedImage", ros.pack(_picture(record, time_ns, cells=cells))
+
+
+def summary(record: Record) -> str:
+    """One line about a record: its name, the sizes of its rasters and tables, and its numbers."""
+    kind = type(record)
+    found = [
+        f"{name} {' x '.join(map(str, getattr(record, name).shape))}"
+        for name, (spec, _) in specs(kind).items()
+        if spec.kind in RASTERS
+    ]
+    found += [f"{table} {len(getattr(record, columns[0]))}" for table, columns in tables(kind).items()]
+    found += [f"{name} {getattr(record, name):.6g}" for name, (spec, _) in specs(kind).items() if spec.kind in SCALARS]
+    return f"{kind.__name__}: {', '.join(found)}"
+
+
+def _log(record: Record, time_ns: int) -> Any:
+    texts = {"name": "vdoor", "msg": summary(record), "file": "", "function": ""}
+    return ros.make("rcl_interfaces/msg/Log", stamp=ros.stamp(time_ns), level=INFO, line=0, **texts)
+
+
+def _initial(record: Any) -> tuple[Segments, NDArray[np.float64], Segments]:
+    """Doors, region centres and graph lines (door's middle to each region it borders) of the initial map."""
+    world = record.frame.world_from_cell
+    doors = np.stack([world(record.start), world(record.end)], axis=1)
+    centres_m = world(record.centre)
+    links = _links(doors, centres_m, door=record.border_edge, room=record.border_region)
+    return doors, centres_m, links
+
+
+def _final(record: Any) -> tuple[Segments, NDArray[np.float64], Segments]:
+    """Doors, room centres and graph lines (door's middle to both of its rooms) of the final map."""
+    doors = np.stack([record.start_m, record.end_m], axis=1)
+    centres_m = record.frame.world_from_cell(record.centre)
+    door = np.arange(len(doors))
+    rooms = [_links(doors, centres_m, door=door, room=room - 1) for room in (record.room_a, record.room_b)]
+    return doors, centres_m, np.concatenate(rooms)
+
+
+DRAW = {"initial_map": _initial, "map": _final}
+
+
+def _links(doors: Segments, centres_m: NDArray[np.float64], *, door: NDArray[Any], room: NDArray[Any]) -> Segments:
+    """Lines from the middle of each door to a room's centre, where both are there."""
+    there = (door >= 0) & (door < len(doors)) & (room >= 0) & (room < len(centres_m))
+    middles_m = doors[door[there]].mean(axis=1)
+    return np.stack([middles_m, centres_m[room[there]]], axis=1)
+
+
+def _markers(record: Record, time_ns: int) -> Any:
+    """All that is drawn of one graph; it takes the place of the graph before."""
+    doors, centres_m, links = DRAW[record.topic](record)
+    size_m = record.frame.resolution_m  # type: ignore[attr-defined]  # both graphs have one
+    ids = iter(range(len(centres_m) + 4))
+    marker = functools.partial(_marker, time_ns=time_ns, ns=record.topic)
+    first = 0 if record.topic == "initial_map" else 1
+    labels = [
+        marker(TEXT, id=next(ids), at_m=at_m, text=str(room), size_m=6 * size_m, rgb=(0.1, 0.1, 0.1))
+        for room, at_m in enumerate(centres_m, start=first)
+    ]
+    shapes = [
+        marker(DELETE_ALL, id=next(ids)),
+        marker(LINE_LIST, id=next(ids), points_m=doors.reshape(-1, 2), size_m=size_m, rgb=(0.9, 0.1, 0.1)),
+        marker(LINE_LIST, id=next(ids), points_m=links.reshape(-1, 2), size_m=size_m / 2, rgb=(0.1, 0.3, 0.9)),
+        marker(CUBE_LIST, id=next(ids), points_m=centres_m, size_m=3 * size_m, rgb=(0.1, 0.3, 0.9)),
+    ]
+    return ros.make("visualization_msgs/msg/MarkerArray", markers=shapes + labels)
+
+
+def _marker(
+    kind: int,
+    *,
+    id: int,  # noqa: A002  # the message's own name for it
+    time_ns: int,
+    ns: str,
+    points_m: NDArray[np.float64] | None = None,
+    at_m: NDArray[np.float64] | None = None,
+    text: str = "",
+    size_m: float = 0.0,
+    rgb: tuple[float, float, float] = (0.0, 0.0, 0.0),
+) -> Any:
+    """Marker of one kind; fields that the kind does not use are empty."""
+    none = np.zeros(0, np.uint8)
+    header = ros.header(time_ns)
+    colour = dict(zip("rgb", rgb, strict=True))
+    return ros.make(
+        "visualization_msgs/msg/Marker",
+        header=header,
+        ns="" if kind == DELETE_ALL else ns,
+        id=id,
+        type=0 if kind == DELETE_ALL else kind,
+        action=kind if kind == DELETE_ALL else 0,
+        pose=ros.pose(*([] if at_m is None else at_m)),
+        scale=ros.make("geometry_msgs/msg/Vector3", x=size_m, y=size_m, z=size_m),
+        color=ros.make("std_msgs/msg/ColorRGBA", **colour, a=1.0),
+        lifetime=ros.make("builtin_interfaces/msg/Duration", sec=0, nanosec=0),
+        frame_locked=False,
+        points=[] if points_m is None else [ros.point(*point) for point in points_m],
+        colors=[],
+        texture_resource="",
+        texture=ros.make("sensor_msgs/msg/CompressedImage", header=header, format="", data=none),
+        uv_coordinates=[],
+        text=text,
+        mesh_resource="",
+        mesh_file=ros.make("visualization_msgs/msg/MeshFile", filename="", data=none),
+        mesh_use_embedded_materials=False,
+    )
+
+
+def _picture(record: Any, time_ns: int, *, cells: NDArray[np.int8]) -> Any:
+    """Rooms in colour over the map as it was read, as a PNG with a palette."""
+    from PIL import Image  # noqa: PLC0415  # only a recording needs it
+
+    every = -(-max(record.labels.shape) // PICTURE_TO_PX) or 1
+    labels = record.labels[::every, ::every]
+    shown = np.where(cells[::every, ::every] < 0, 1, np.where(cells[::every, ::every] > FREE_TO, 2, 0)).astype(np.uint8)
+    if shown.shape == labels.shape:
+        np.copyto(shown, ((labels - 1) % HUES + 3).astype(np.uint8), where=labels > 0)
+    image = Image.fromarray(shown)
+    image.putpalette(_palette())
+    png = io.BytesIO()
+    image.save(png, "png", compress_level=1)
+    data = np.frombuffer(png.getvalue(), np.uint8)
+    return ros.make("sensor_msgs/msg/CompressedImage", header=ros.header(time_ns), format="png", data=data)
+
+
+@functools.cache
+def _palette() -> bytes:
+    """Free, unknown, occupied, then a hue a room, neighbours in number far apart in hue."""
+    golden = 0.618034
+    rooms = [colorsys.hsv_to_rgb(i * golden % 1, 0.55, 0.95) for i in range(HUES)]
+    greys = [(grey, grey, grey) for grey in (GREY_FREE, GREY_UNKNOWN, GREY_OCCUPIED)]
+    return bytes(c for rgb in greys for c in rgb) + bytes(round(255 * c) for rgb in rooms for c in rgb)

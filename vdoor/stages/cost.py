@@ -1,0 +1,161 @@
+"""Section III, eq. 7: what a choice of doors costs, for many choices at once."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import connected_components
+
+from vdoor.stages.rooms import InitialMap, components
+
+Bits = NDArray[np.bool_]
+Floats = NDArray[np.float64]
+Number = Any  # a number, or an array (p,) of them
+
+# Tilts are summed as whole numbers of this many square degrees, so that sums do not depend on their order.
+TILT_UNIT_DEG2 = 1e-9
+
+
+@dataclass(frozen=True, kw_only=True)
+class MapCost:
+    """Weights of eq. 7."""
+
+    room_m2: float = 2.0
+    """Room threshold T: smaller rooms count as small nodes, and areas are compared with it."""
+    small_weight: float = 1.0
+    """w1, per small room."""
+    area_weight_per_m2: float = 0.05
+    """w2, per m2 of AreaSD."""
+    tilt_weight_per_deg: float = 0.05
+    """w3, per degree of DegSD."""
+
+    def __call__(self, totals: Totals, sqrt: Callable[[Any], Any]) -> Costs:
+        """Cost and its three terms from sums over rooms and doors, for one choice or arrays of them."""
+        mean_square = (totals.area_squared_m4 - 2 * self.room_m2 * totals.area_m2) / totals.rooms + self.room_m2**2
+        area_sd_m2 = sqrt(abs(mean_square))  # rounding may leave a zero just below 0
+        tilt_sd_deg = sqrt(totals.tilt_squared_deg2 / (totals.doors + (totals.doors == 0)))
+        cost = (self.small_weight * totals.small + self.area_weight_per_m2 * area_sd_m2
+                + self.tilt_weight_per_deg * tilt_sd_deg)
+        return Costs(cost, totals.small, area_sd_m2, tilt_sd_deg)
+
+
+class Totals(NamedTuple):
+    """Sums over the rooms and the kept doors of one choice, or arrays (p,) for p choices."""
+
+    rooms: Number
+    small: Number
+    area_m2: Number
+    area_squared_m4: Number
+    doors: Number
+    tilt_squared_deg2: Number
+
+
+class Costs(NamedTuple):
+    """Eq. 7 and its terms."""
+
+    cost: Number
+    small_rooms: Number
+    area_sd_m2: Number
+    tilt_sd_deg: Number
+
+
+class MergeProblem:
+    """The initial map as the search sees it: cells that merge when doors are removed.
+
+    Atoms on the same doors that touch a common region open and merge together, so they are one node here. All sums
+    are over whole numbers, so that equal choices cost the same to the last bit on every machine.
+    """
+
+    def __init__(self, initial: InitialMap, cost: MapCost) -> None:
+        self.edges = len(initial.door)
+        self.regions = len(initial.area_m2)
+        self.cost = cost
+        self.cell_m2 = initial.frame.resolution_m**2
+        bundle, self.cover_start, self.cover_edge = bundles(initial)
+        count = self.regions + len(self.cover_start)
+        self.node_of_atom = self.regions + bundle
+        node = np.append(np.arange(self.regions), self.node_of_atom)
+        area = np.append(initial.area_m2, initial.atom_area_m2)
+        self.cells = np.bincount(node, weights=np.rint(area / self.cell_m2), minlength=count)
+        self.links = sorted_links(node[initial.touch_a], node[initial.touch_b], count)
+        self.tilt = np.rint(np.degrees(initial.tilt_rad) ** 2 / TILT_UNIT_DEG2).astype(np.int64)
+        self.is_region = np.arange(count) < self.regions
+        self.small_cells = cost.room_m2 / self.cell_m2
+
+    def open_nodes(self, removed: Bits) -> Bits:
+        """Which nodes (p, nodes) are open under each choice (p, edges): regions, and atoms with all doors removed."""
+        is_open = np.ones((len(removed), len(self.cells)), np.bool_)
+        if len(self.cover_start):
+            all_removed = np.logical_and.reduceat(removed[:, self.cover_edge], self.cover_start, axis=1)
+            is_open[:, self.regions :] = all_removed
+        return is_open
+
+    def rooms(self, removed: Bits) -> tuple[NDArray[np.intp], Bits]:
+        """Room (p, nodes) of every node under each choice, numbered through over all choices, and what is open."""
+        is_open = self.open_nodes(removed)
+        a, b = self.links
+        choices, count = is_open.shape
+        joined = is_open[:, a] & is_open[:, b]
+        choice, link = np.nonzero(joined)
+        # links are sorted by a, so this is a matrix by rows as it stands
+        per_row = np.bincount(choice * count + a[link], minlength=choices * count)
+        begin = np.append(0, np.cumsum(per_row))
+        graph = csr_array((np.ones(len(link), np.int8), choice * count + b[link], begin), shape=(choices * count,) * 2)
+        _, room = connected_components(graph, directed=False)
+        return room.reshape(choices, count), is_open
+
+    def evaluate(self, removed: Bits) -> Costs:
+        """Eq. 7 of each choice (p, edges); bit 1 = door removed."""
+        room, is_open = self.rooms(removed)
+        choices = len(removed)
+        cells = np.bincount(room.ravel(), weights=(is_open * self.cells).ravel())
+        is_room = np.zeros(len(cells), np.bool_)
+        is_room[room[:, self.is_region]] = True
+        choice = np.zeros(len(cells), np.intp)
+        choice[room] = np.arange(choices)[:, None]
+
+        def total(values: NDArray[np.generic]) -> Floats:
+            return np.bincount(choice[is_room], weights=values[is_room], minlength=choices)
+
+        kept = ~removed
+        return self.cost(Totals(
+            rooms=total(np.ones(len(cells))).astype(np.int64),
+            small=total(cells < self.small_cells).astype(np.int64),
+            area_m2=total(cells) * self.cell_m2,
+            area_squared_m4=total(cells**2) * self.cell_m2**2,
+            doors=kept.sum(axis=1),
+            tilt_squared_deg2=(kept * self.tilt).sum(axis=1) * TILT_UNIT_DEG2,
+        ), sqrt=np.sqrt)
+
+
+def bundles(initial: InitialMap) -> tuple[NDArray[np.intp], NDArray[np.intp], NDArray[np.int32]]:
+    """Bundle (atoms,) of each atom; where each bundle's edges begin, and the edges that cover it, flat."""
+    atoms = len(initial.atom_area_m2)
+    begin = np.searchsorted(initial.cover_atom, np.arange(atoms))
+    cover = [initial.cover_edge[slice(*ends)].tobytes() for ends in zip(begin, np.append(begin[1:],
+             len(initial.cover_edge)), strict=True)]
+    number = {key: index for index, key in enumerate(dict.fromkeys(cover))}
+    same_doors = np.array([number[key] for key in cover], np.intp)
+    regions = len(initial.area_m2)
+    to_region = initial.touch_a < regions
+    atom, region = initial.touch_b[to_region] - regions, initial.touch_a[to_region]
+    _, meeting = np.unique(same_doors[atom] * np.int64(max(regions, 1)) + region, return_inverse=True)
+    meetings = int(meeting.max(initial=-1)) + 1
+    bundle = components(np.stack([atom, atoms + meeting]), atoms + meetings)[:atoms]
+    _, first, bundle = np.unique(bundle, return_index=True, return_inverse=True)
+    lists = [np.frombuffer(cover[atom], np.int32) for atom in first]
+    sizes = np.array([len(edges) for edges in lists], np.intp)
+    flat = np.concatenate(lists) if lists else np.zeros(0, np.int32)
+    return bundle, np.cumsum(sizes) - sizes, flat
+
+
+def sorted_links(a: NDArray[np.intp], b: NDArray[np.intp], count: int) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Links without repeats and loops, the smaller node first, sorted."""
+    low, high = np.minimum(a, b), np.maximum(a, b)
+    key = np.unique(low[low != high] * np.int64(count) + high[low != high])
+    return key // count, key % count

@@ -1,0 +1,141 @@
+"""One choice of doors, changed door by door: what simulated annealing walks on."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from vdoor.stages.cost import TILT_UNIT_DEG2, MergeProblem, Totals
+
+if TYPE_CHECKING:
+    from vdoor.stages.search import Generation
+
+
+class FlipState:
+    """A choice of doors with its rooms, and the best choice seen; starts with every door kept.
+
+    A flip only changes the rooms around that door, so only those are searched again. The sums are the same whole
+    numbers as in `MergeProblem.evaluate`, so the cost is the same to the last bit.
+    """
+
+    def __init__(self, problem: MergeProblem) -> None:
+        self.problem = problem
+        self.removed = [False] * problem.edges
+        self.neighbours = _neighbours(problem)
+        self.nodes_of_edge, self.kept_doors = _covers(problem)
+        self.cells = problem.cells.tolist()
+        self.tilt = problem.tilt.tolist()
+        self.room_of = [-1] * len(self.cells)
+        self.members: dict[int, list[int]] = {}
+        self.sums = [0.0, 0.0, 0.0, 0.0]  # rooms, small rooms, cells, squared cells
+        self.doors = [problem.edges, sum(self.tilt)]  # kept doors, their squared tilts
+        self._next_room = 0
+        self._add_rooms([node for node in range(len(self.cells)) if not self.kept_doors[node]])
+        self.cost = self._cost()
+        self.best_cost, self.best = self.cost, list(self.removed)
+
+    def try_flip(self, edge: int, allowance: float) -> bool:
+        """Flip one door unless that costs more than `allowance`; returns whether it was flipped."""
+        before = self.cost
+        self._flip(edge)
+        self.cost = self._cost()
+        if self.cost > before + allowance:
+            self._flip(edge)
+            self.cost = before
+            return False
+        if self.cost < self.best_cost:
+            self.best_cost, self.best = self.cost, list(self.removed)
+        return True
+
+    def generation(self, number: int, evaluations: int, costs: list[float]) -> Generation:
+        """The record of the best choice so far, with the mean and worst of the costs passed through."""
+        from vdoor.stages.search import summary  # noqa: PLC0415  # search imports this module
+
+        best = np.array([self.best], np.bool_).reshape(1, -1)
+        record = summary(number, evaluations, best, self.problem.evaluate(best))
+        object.__setattr__(record, "mean_cost", sum(costs) / len(costs))
+        object.__setattr__(record, "worst_cost", max(costs))
+        return record
+
+    def _flip(self, edge: int) -> None:
+        keeps = self.removed[edge]
+        self.removed[edge] = not keeps
+        change = 1 if keeps else -1
+        self.doors[0] += change
+        self.doors[1] += change * self.tilt[edge]
+        switched = []
+        for node in self.nodes_of_edge[edge]:
+            self.kept_doors[node] += change
+            if self.kept_doors[node] == (1 if keeps else 0):
+                switched.append(node)
+        if not switched:
+            return
+        touched = switched if keeps else [near for node in switched for near in self.neighbours[node]]
+        nodes = self._take_rooms({self.room_of[node] for node in touched} - {-1})
+        self._add_rooms([node for node in nodes if not self.kept_doors[node]] + ([] if keeps else switched))
+
+    def _take_rooms(self, rooms: Iterable[int]) -> list[int]:
+        """Remove rooms from the sums and return their nodes."""
+        nodes: list[int] = []
+        for room in sorted(rooms):
+            members = self.members.pop(room)
+            self._count(members, -1)
+            nodes += members
+            for node in members:
+                self.room_of[node] = -1
+        return nodes
+
+    def _add_rooms(self, nodes: list[int]) -> None:
+        """Group open nodes without a room into rooms and add these to the sums."""
+        pending = set(nodes)
+        for seed in nodes:
+            if seed not in pending:
+                continue
+            pending.discard(seed)
+            members = [seed]
+            for node in members:  # grows while it is read
+                for near in self.neighbours[node]:
+                    if near in pending:
+                        pending.discard(near)
+                        members.append(near)
+            for node in members:
+                self.room_of[node] = self._next_room
+            self.members[self._next_room] = members
+            self._next_room += 1
+            self._count(members, 1)
+
+    def _count(self, members: list[int], sign: int) -> None:
+        if min(members) >= self.problem.regions:
+            return  # an opened atom that touches no region is no room
+        cells = sum(self.cells[node] for node in members)
+        self.sums[0] += sign
+        self.sums[1] += sign * (cells < self.problem.small_cells)
+        self.sums[2] += sign * cells
+        self.sums[3] += sign * cells**2
+
+    def _cost(self) -> float:
+        rooms, small, cells, squared = self.sums
+        cell_m2 = self.problem.cell_m2
+        totals = Totals(rooms, small, cells * cell_m2, squared * cell_m2**2, self.doors[0],
+                        self.doors[1] * TILT_UNIT_DEG2)
+        return self.problem.cost(totals, sqrt=math.sqrt).cost
+
+
+def _neighbours(problem: MergeProblem) -> list[list[int]]:
+    near: list[list[int]] = [[] for _ in problem.cells]
+    for a, b in zip(*(ends.tolist() for ends in problem.links), strict=True):
+        near[a].append(b)
+        near[b].append(a)
+    return near
+
+
+def _covers(problem: MergeProblem) -> tuple[list[list[int]], list[int]]:
+    """Nodes that each edge covers, and how many edges cover each node."""
+    ends = np.append(problem.cover_start, len(problem.cover_edge))
+    nodes: list[list[int]] = [[] for _ in range(problem.edges)]
+    for index, edge in enumerate(problem.cover_edge.tolist()):
+        nodes[edge].append(problem.regions + int(np.searchsorted(ends, index, "right")) - 1)
+    return nodes, [0] * problem.regions + np.diff(ends).tolist()

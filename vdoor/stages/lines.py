@@ -1,0 +1,51 @@
+"""Straight lines of cells between two cells."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+Ints = NDArray[np.int32]
+
+
+CHUNK = 50_000  # lines at a time: bounds the memory
+
+
+def lines_between(free: NDArray[np.bool_], start: Ints, end: Ints) -> tuple[NDArray[np.bool_], Ints, Ints]:
+    """Which of the lines (k,) are free all along, the free cells (m, 2) on those, and whose they are (m,).
+
+    A line has one cell for each step along its longer axis, end cells left out: 8-connected, so it parts 4-connected
+    space. Where it runs exactly between two cells, those of the two that are free are taken and one must be: so lines
+    turn, mirror and reverse with the map. Lines without a cell between their ends are not free.
+    """
+    clear, cells, owners = [np.zeros(0, np.bool_)], [np.zeros((0, 2), np.int32)], [np.zeros(0, np.int32)]
+    for begin in range(0, len(start), CHUNK):
+        part = slice(begin, begin + CHUNK)
+        good, cell, owner = _some_lines(free, start[part], end[part])
+        clear.append(good)
+        cells.append(cell)
+        owners.append(owner + np.int32(begin))
+    return np.concatenate(clear), np.concatenate(cells), np.concatenate(owners)
+
+
+def _some_lines(free: NDArray[np.bool_], start: Ints, end: Ints) -> tuple[NDArray[np.bool_], Ints, Ints]:
+    """`lines_between` for a few lines, as arrays of (line, step, the two cells where the line is halfway)."""
+    span = end - start
+    steps = np.abs(span).max(axis=1, initial=0)
+    at = np.arange(1, max(2, steps.max(initial=0)), dtype=np.int32)[None, :]
+    between = at < steps[:, None]
+    twice = np.maximum(2 * steps, 1)[:, None]
+    sides = []
+    for axis in (0, 1):
+        ahead = 2 * at * span[:, axis, None]
+        below, above = -((twice // 2 - ahead) // twice), (ahead + twice // 2) // twice
+        offset = np.stack([below, above], axis=-1) * between[..., None]
+        sides.append(start[:, axis, None, None] + offset)
+    row, col = sides
+    open_ = free[row, col]
+    clear = (open_.any(axis=2) | ~between).all(axis=1) & (steps > 1)
+    taken = open_ & (between & clear[:, None])[..., None]
+    taken[..., 1] &= (row[..., 0] != row[..., 1]) | (col[..., 0] != col[..., 1])
+    owner, step, side = np.nonzero(taken)
+    cells = np.stack([row[owner, step, side], col[owner, step, side]], axis=1)
+    return clear, cells.astype(np.int32), owner.astype(np.int32)

@@ -1,0 +1,132 @@
+"""The result: rooms as nodes, doors as edges, and every free cell's room."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated, ClassVar
+
+import networkx as nx
+import numpy as np
+from numpy.typing import NDArray
+
+from vdoor.record import Frame, Record, Spec
+from vdoor.stages.doors import KINDS
+
+Polygon = tuple[tuple[tuple[float, float], ...], ...]
+
+
+@dataclass(frozen=True)
+class Room:
+    """One room, in the map frame."""
+
+    id: int
+    area_m2: float
+    centre_m: tuple[float, float]
+    """The middle of a free cell of the room."""
+    polygon_m: Polygon
+    """Rings of x, y, each closed by its first vertex: the outer one, then the holes."""
+    neighbours: tuple[int, ...]
+    convex_corners: int
+    concave_corners: int
+
+
+@dataclass(frozen=True)
+class Door:
+    """One door, in the map frame."""
+
+    id: int
+    rooms: tuple[int, int]
+    start_m: tuple[float, float]
+    end_m: tuple[float, float]
+    length_m: float
+    """Between the centres of its end cells."""
+    width_m: float
+    """The free gap."""
+    tilt_deg: float
+    """Angle to the nearer of the grid's axes."""
+    kind: str
+    """pair, single, or passage (too narrow for the working resolution)."""
+
+
+class TopologicalMap(Record):
+    """Rooms as nodes, doors as edges, at the input's resolution. Room ids are 1, 2, ... and labels carry them."""
+
+    topic: ClassVar[str] = "map"
+
+    labels: Annotated[NDArray[np.int32], Spec("labels", "height width")]
+    """Room of every free cell that can be reached from a room; 0 elsewhere."""
+    centre: Annotated[NDArray[np.int32], Spec("cell", "room 2")]
+    """The room's own cell nearest to its mean."""
+    area_m2: Annotated[NDArray[np.float64], Spec("column", "room", unit="m2", tolerance=1e-9)]
+    edge: Annotated[NDArray[np.int32], Spec("column", "door")]
+    """Edge of the initial map, -1 for a passage too narrow for the working resolution."""
+    start_m: Annotated[NDArray[np.float64], Spec("column", "door 2", unit="m", tolerance=1e-9)]
+    end_m: Annotated[NDArray[np.float64], Spec("column", "door 2", unit="m", tolerance=1e-9)]
+    """End points as x, y in the map frame."""
+    kind: Annotated[NDArray[np.uint8], Spec("code", "door", words=KINDS)]
+    length_m: Annotated[NDArray[np.float64], Spec("column", "door", unit="m", tolerance=1e-9)]
+    width_m: Annotated[NDArray[np.float64], Spec("column", "door", unit="m", tolerance=1e-9)]
+    tilt_rad: Annotated[NDArray[np.float64], Spec("column", "door", unit="rad", tolerance=1e-9)]
+    room_a: Annotated[NDArray[np.int32], Spec("column", "door")]
+    room_b: Annotated[NDArray[np.int32], Spec("column", "door")]
+    """The two rooms it joins, a < b; a door that borders more has one row per pair."""
+    feature_room: Annotated[NDArray[np.int32], Spec("column", "feature")]
+    feature_corner: Annotated[NDArray[np.int32], Spec("column", "feature")]
+    feature_convex: Annotated[NDArray[np.bool_], Spec("column", "feature")]
+    vertex_m: Annotated[NDArray[np.float64], Spec("column", "vertex 2", unit="m", tolerance=1e-9)]
+    """Polygons with holes as x, y in the map frame; each ring closed by its first vertex."""
+    vertex_room: Annotated[NDArray[np.int32], Spec("column", "vertex")]
+    vertex_ring: Annotated[NDArray[np.int32], Spec("column", "vertex")]
+    """Ring within the room: 0 is the outer one, then its holes."""
+    frame: Frame
+
+    @property
+    def doors(self) -> list[Door]:
+        """All doors, ids 1, 2, ... in order."""
+        return [
+            Door(
+                id=row + 1, rooms=(int(self.room_a[row]), int(self.room_b[row])), start_m=_point(self.start_m[row]),
+                end_m=_point(self.end_m[row]), length_m=float(self.length_m[row]), width_m=float(self.width_m[row]),
+                tilt_deg=float(np.degrees(self.tilt_rad[row])), kind=KINDS[self.kind[row]],
+            )
+            for row in range(len(self.kind))
+        ]
+
+    @property
+    def rooms(self) -> list[Room]:
+        """All rooms, ids 1, 2, ... in order."""
+        centre_m = self.frame.world_from_cell(self.centre)
+        return [
+            Room(
+                id=room, area_m2=float(self.area_m2[room - 1]), centre_m=_point(centre_m[room - 1]),
+                polygon_m=self.polygon_m(room), neighbours=self.neighbours(room),
+                convex_corners=int((self.feature_convex & (self.feature_room == room)).sum()),
+                concave_corners=int((~self.feature_convex & (self.feature_room == room)).sum()),
+            )
+            for room in range(1, len(self.area_m2) + 1)
+        ]
+
+    def polygon_m(self, room: int) -> Polygon:
+        """Rings of one room as x, y."""
+        own = self.vertex_room == room
+        ring, vertex_m = self.vertex_ring[own], self.vertex_m[own]
+        return tuple(tuple(map(_point, vertex_m[ring == number])) for number in np.unique(ring))
+
+    def neighbours(self, room: int) -> tuple[int, ...]:
+        """Ids of the rooms that a door joins to this one, sorted."""
+        near = np.concatenate([self.room_b[self.room_a == room], self.room_a[self.room_b == room]])
+        return tuple(np.unique(near).tolist())
+
+    def to_networkx(self) -> nx.MultiGraph[int]:
+        """Rooms as nodes with area_m2 and centre_m, doors as edges keyed by their id with their own fields."""
+        graph: nx.MultiGraph[int] = nx.MultiGraph()
+        for room in self.rooms:
+            graph.add_node(room.id, area_m2=room.area_m2, centre_m=room.centre_m)
+        for door in self.doors:
+            graph.add_edge(*door.rooms, key=door.id, kind=door.kind, width_m=door.width_m, length_m=door.length_m,
+                           tilt_deg=door.tilt_deg, start_m=door.start_m, end_m=door.end_m)
+        return graph
+
+
+def _point(row: NDArray[np.float64]) -> tuple[float, float]:
+    return float(row[0]), float(row[1])
