@@ -21,14 +21,25 @@ from vdoor.synth import PRESETS, Apartment, SyntheticMap, TrueDoor, synthesize, 
 FINE_M = 0.025
 PAPER = PRESETS["paper"]
 BUSY = dataclasses.replace(
-    PAPER, furniture=True, wall_noise=0.1, juts_per_room=3.0, windows=4.0, speckles=40.0, extra_door_chance=0.5
+    PAPER,
+    furniture=True,
+    wall_noise=0.1,
+    juts_per_room=3.0,
+    windows=20.0,
+    margin_m=2.0,
+    speckles=40.0,
+    extra_door_chance=0.5,
 )
+CRAMMED = dataclasses.replace(
+    PAPER, furniture=True, wall_pieces_per_m2=1.0, free_pieces_per_m2=1.0, aisle_m=0.5, wall_noise=0.1
+)
+MANY_ROOMS = dataclasses.replace(PAPER, area_m2=80.0, rooms=9, jamb_m=0.6)
 
 seeds = st.integers(0, 2**32 - 1)
 cell_sizes = st.sampled_from([0.05, 0.1, 0.2])
 kinds = st.builds(
     dataclasses.replace,
-    st.sampled_from([PAPER, BUSY]),
+    st.sampled_from([PAPER, BUSY, CRAMMED, MANY_ROOMS]),
     cell_m=cell_sizes,
     rotation_deg=st.sampled_from([0.0, 0.0, 5.0, 30.0, 45.0, 90.0, -17.0]),
     corridor_chance=st.sampled_from([0.0, 1.0]),
@@ -54,13 +65,13 @@ def along(apartment: SyntheticMap, door: TrueDoor, *, step_m: float, beyond_m: f
 
 def near_door(apartment: SyntheticMap, door: TrueDoor) -> NDArray[np.bool_]:
     """Cells whose centre is in the door's gap, or within a cell's diagonal of it."""
-    grid, reach = apartment.grid, 1.5 * apartment.settings.cell_m
+    grid, reach, wall = apartment.grid, 1.5 * apartment.settings.cell_m, apartment.settings.wall_max_m
     centres = grid.frame.world_from_cell(np.indices(grid.cells.shape).reshape(2, -1).T)
     start, end = np.array(door.start_m), np.array(door.end_m)
     direction = (end - start) / door.width_m
     run = (centres - start) @ direction
     off = np.abs((centres - start) @ np.array([-direction[1], direction[0]]))
-    inside = (run > -reach) & (run < door.width_m + reach) & (off < apartment.settings.wall_max_m / 2 + reach)
+    inside: NDArray[np.bool_] = (run > -reach) & (run < door.width_m + reach) & (off < wall / 2 + reach)
     return inside.reshape(grid.cells.shape)
 
 
@@ -153,11 +164,21 @@ def test_furniture_keeps_clear_of_both_sides_of_a_door(seed: int) -> None:
 @law
 @given(seed=seeds)
 def test_furniture_changes_neither_rooms_nor_doors(seed: int) -> None:
-    bare, furnished = (made(dataclasses.replace(PAPER, furniture=on, cell_m=0.05), seed) for on in (False, True))
+    kind = dataclasses.replace(PAPER, windows=0.0, cell_m=0.05)
+    bare, furnished = (made(dataclasses.replace(kind, furniture=on), seed) for on in (False, True))
     assert bare.doors == furnished.doors
     both = (bare.rooms > 0) & (furnished.rooms > 0)
     np.testing.assert_array_equal(bare.rooms[both], furnished.rooms[both])
     assert np.count_nonzero(furnished.rooms) < np.count_nonzero(bare.rooms)
+    assert not (furnished.grid.free & ~bare.grid.free).any()
+
+
+@law
+@given(seed=seeds, kind=st.sampled_from([PAPER, CRAMMED]))
+def test_at_20_cm_rays_open_no_wall(seed: int, kind: Apartment) -> None:
+    blind, seeing = (made(dataclasses.replace(kind, windows=many), seed) for many in (0.0, 20.0))
+    np.testing.assert_array_equal(blind.rooms, seeing.rooms)
+    assert seeing.grid.free.sum() > blind.grid.free.sum()
 
 
 @law

@@ -10,7 +10,6 @@ have one row per corner.
 from __future__ import annotations
 
 import dataclasses
-import functools
 import math
 from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar, Literal, dataclass_transform, get_args, get_origin, get_type_hints
@@ -119,9 +118,17 @@ class Record:
             object.__setattr__(self, name, frozen)
 
 
-@functools.cache
 def specs(record: type[Record]) -> dict[str, tuple[Spec, np.dtype[Any] | None]]:
     """Fields of a record that carry a `Spec`, in order, with their dtype (None for plain numbers)."""
+    if record not in _SPECS:
+        _SPECS[record] = _read_specs(record)
+    return _SPECS[record]
+
+
+_SPECS: dict[type[Record], dict[str, tuple[Spec, np.dtype[Any] | None]]] = {}
+
+
+def _read_specs(record: type[Record]) -> dict[str, tuple[Spec, np.dtype[Any] | None]]:
     hints = get_type_hints(record, include_extras=True)
     found: dict[str, tuple[Spec, np.dtype[Any] | None]] = {}
     for field in dataclasses.fields(record):  # type: ignore[arg-type]  # made a dataclass by __init_subclass__

@@ -16,6 +16,14 @@ Polygon = tuple[tuple[tuple[float, float], ...], ...]
 
 
 @dataclass(frozen=True)
+class Corner:
+    """A corner feature of a room's boundary, in the map frame."""
+
+    point_m: tuple[float, float]
+    convex: bool
+
+
+@dataclass(frozen=True)
 class Room:
     """One room, in the map frame."""
 
@@ -26,8 +34,8 @@ class Room:
     polygon_m: Polygon
     """Rings of x, y, each closed by its first vertex: the outer one, then the holes."""
     neighbours: tuple[int, ...]
-    convex_corners: int
-    concave_corners: int
+    corners: tuple[Corner, ...]
+    """The corner features that form its boundary."""
 
 
 @dataclass(frozen=True)
@@ -73,6 +81,8 @@ class TopologicalMap(Record):
     feature_room: Annotated[NDArray[np.int32], Spec("column", "feature")]
     feature_corner: Annotated[NDArray[np.int32], Spec("column", "feature")]
     feature_convex: Annotated[NDArray[np.bool_], Spec("column", "feature")]
+    feature_m: Annotated[NDArray[np.float64], Spec("column", "feature 2", unit="m", tolerance=1e-9)]
+    """Middle of the corner's obstacle cell as x, y."""
     vertex_m: Annotated[NDArray[np.float64], Spec("column", "vertex 2", unit="m", tolerance=1e-9)]
     """Polygons with holes as x, y in the map frame; each ring closed by its first vertex."""
     vertex_room: Annotated[NDArray[np.int32], Spec("column", "vertex")]
@@ -100,8 +110,7 @@ class TopologicalMap(Record):
             Room(
                 id=room, area_m2=float(self.area_m2[room - 1]), centre_m=_point(centre_m[room - 1]),
                 polygon_m=self.polygon_m(room), neighbours=self.neighbours(room),
-                convex_corners=int((self.feature_convex & (self.feature_room == room)).sum()),
-                concave_corners=int((~self.feature_convex & (self.feature_room == room)).sum()),
+                corners=self.corners(room),
             )
             for room in range(1, len(self.area_m2) + 1)
         ]
@@ -111,6 +120,11 @@ class TopologicalMap(Record):
         own = self.vertex_room == room
         ring, vertex_m = self.vertex_ring[own], self.vertex_m[own]
         return tuple(tuple(map(_point, vertex_m[ring == number])) for number in np.unique(ring))
+
+    def corners(self, room: int) -> tuple[Corner, ...]:
+        """Corner features of one room's boundary, in the order of the path."""
+        own = np.flatnonzero(self.feature_room == room)
+        return tuple(Corner(_point(self.feature_m[row]), bool(self.feature_convex[row])) for row in own)
 
     def neighbours(self, room: int) -> tuple[int, ...]:
         """Ids of the rooms that a door joins to this one, sorted."""

@@ -15,7 +15,7 @@ from PIL import Image, UnidentifiedImageError
 from vdoor.errors import MapError
 from vdoor.formats import pgm
 from vdoor.formats.occupancy import GreyImage, Rule, cells_from_image
-from vdoor.formats.reading import Request, check_size
+from vdoor.formats.reading import Request, check_size, shown
 from vdoor.grid import OccupancyGrid
 
 FORMATS = ("PNG", "BMP", "TIFF")
@@ -63,10 +63,10 @@ def _pillow() -> Iterator[None]:
         msg = "image: wanted PGM, PNG, BMP or TIFF, found something else"
         raise MapError(msg) from None
     except Image.DecompressionBombError as error:
-        msg = f"image: wanted a size that Pillow accepts, found more ({error})"
+        msg = f"image: wanted a size that Pillow accepts, found more ({shown(str(error))})"
         raise MapError(msg) from error
     except DAMAGE as error:
-        msg = f"image: wanted a whole file, found a damaged one ({error})"
+        msg = f"image: wanted a whole file, found a damaged one ({shown(str(error))})"
         raise MapError(msg) from error
 
 

@@ -99,7 +99,7 @@ def _table(data: bytes) -> Mapping[str, Any]:
 
 
 def _value(table: Mapping[str, Any], key: str, convert: Callable[[Any], T]) -> T:
-    """Converted value of a required key; MapError names the key."""
+    """Value of a required key, converted; MapError names the key."""
     if key not in table:
         msg = f"YAML: wanted the key {key}, found none"
         raise MapError(msg)

@@ -78,8 +78,8 @@ def cells_from_image(image: GreyImage, rule: Rule, *, request: Request, name: st
         table[request.unknown_value] = UNKNOWN
     if rule.mode != "raw" and table[USUAL_UNKNOWN] == FREE and (count := np.count_nonzero(greys == USUAL_UNKNOWN)):
         request.note(
-            f"grey {USUAL_UNKNOWN}, which map savers write for unknown, reads as free in {count} cells with "
-            f"free_thresh {rule.free_thresh:g} (--unknown-value {USUAL_UNKNOWN} keeps it unknown)",
+            f"grey {USUAL_UNKNOWN}, which map savers write for unknown, reads as free in {count} cells in mode "
+            f"{rule.mode} with free_thresh {rule.free_thresh:g} (--unknown-value {USUAL_UNKNOWN} keeps it unknown)",
             name,
         )
     # Byte for byte: indexing the table would first make every grey an index of eight bytes.

@@ -104,17 +104,17 @@ def check_size(height: int, width: int, *, max_cells: int) -> None:
 
 
 def number(text: Any) -> float:
-    """Number that a YAML scalar writes out, nan included; MapError where it is none."""
+    """Value that a YAML scalar writes out, nan included; MapError where it is none."""
     try:
         # YAML writes .nan and .inf, C writes nan and inf: both are met in real files.
-        return float(text.replace(".nan", "nan").replace(".inf", "inf"))
+        return float(text.lower().replace(".nan", "nan").replace(".inf", "inf"))
     except (AttributeError, ValueError):
         msg = f"wanted a number, found {shown(text)}"
         raise MapError(msg) from None
 
 
 def finite(text: Any) -> float:
-    """Finite number that a YAML scalar writes out; MapError where it is none."""
+    """Finite value that a YAML scalar writes out; MapError where it is none."""
     value = number(text)
     if not math.isfinite(value):
         msg = f"wanted a finite number, found {shown(text)}"

@@ -137,7 +137,7 @@ class Bits:
         return ros.make(self.message, layout=_layout([(self.axis, bits.size)]), data=bits)
 
     def decode(self, message: Any) -> dict[str, NDArray[np.bool_]]:
-        """Flags by their field's name; `RecordingError` where the message does not hold flags of that axis."""
+        """Bits by their field's name; `RecordingError` where the message does not hold flags of that axis."""
         found = [(dim.label, dim.size) for dim in message.layout.dim]
         if found != [(self.axis, message.data.size)]:
             msg = f"{self.place}: wanted {message.data.size} flags along {self.axis}, found {found}"

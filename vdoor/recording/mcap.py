@@ -54,10 +54,10 @@ class McapSink:
         self._schemas: dict[str, int] = {}
         self._channels: dict[str, int] = {}
         self._cells: NDArray[np.int8] | None = None
-        self._whole = True
-        with self._writing():
+        with _naming_unwritable(path):
             self._stream = path.open("wb")
-            self._writer = Writer(self._stream, enable_data_crcs=True)
+        self._writer = Writer(self._stream, enable_data_crcs=True)
+        with self._writing():
             self._writer.start(profile="ros2")
             self._writer.add_metadata(METADATA, about.to_text(info))
             for name, data in info.source.files:
@@ -77,12 +77,8 @@ class McapSink:
             self._writer.flush()  # type: ignore[no-untyped-call]
 
     def close(self) -> None:
-        """Write the indexes and close the file; of a file that could not be written, only close it."""
+        """Write the indexes and close the file; of a file that could not be written there is nothing left to close."""
         if self._stream.closed:
-            return
-        if not self._whole:
-            with contextlib.suppress(OSError):
-                self._stream.close()
             return
         with self._writing():
             self._writer.finish()  # type: ignore[no-untyped-call]
@@ -98,14 +94,14 @@ class McapSink:
 
     @contextlib.contextmanager
     def _writing(self) -> Iterator[None]:
-        """Write whole records: signals wait, and after an error there is no more of this file."""
+        """Write whole records: signals wait, and after an error the file is closed as it is."""
         try:
-            with held_signals():
+            with held_signals(), _naming_unwritable(self.path):
                 yield
-        except OSError as error:
-            self._whole = False
-            msg = f"recording: cannot be written ({error.strerror}): {self.path}"
-            raise RecordingError(msg) from error
+        except RecordingError:
+            with contextlib.suppress(OSError):
+                self._stream.close()
+            raise
 
 
 @dataclass(frozen=True)
@@ -131,7 +127,7 @@ class Recording:
 
 
 def read_recording(path: Path, *, types: Sequence[type[Record]]) -> Recording:
-    """Recording in `path`, of records of the given types.
+    """Run that is recorded in `path`, with records of the given types.
 
     Raises `RecordingError` where there is none, or one of another schema; damage further on is found when iterating.
     """
@@ -225,7 +221,7 @@ def _messages(path: Path) -> Iterator[tuple[str, str, Message]]:
 
 
 def _unpacked(record: McapRecord) -> list[McapRecord]:
-    """Records in a chunk, once its size is known to be no lie; any other record as it is."""
+    """Contents of a chunk, once its size is known to be no lie; any other record as it is."""
     import zstandard  # noqa: PLC0415  # only recordings need it
     from mcap.records import Chunk  # noqa: PLC0415
     from mcap.stream_reader import breakup_chunk  # noqa: PLC0415
@@ -282,4 +278,14 @@ def _naming(path: Path) -> Iterator[None]:
         raise RecordingError(msg) from error
     except (McapError, zstandard.ZstdError, ValueError, OverflowError, MemoryError) as error:
         msg = f"recording: damaged ({error}): {path}"
+        raise RecordingError(msg) from error
+
+
+@contextlib.contextmanager
+def _naming_unwritable(path: Path) -> Iterator[None]:
+    """Turn what writing raises into a `RecordingError` that ends with the path."""
+    try:
+        yield
+    except OSError as error:
+        msg = f"recording: cannot be written ({error.strerror}): {path}"
         raise RecordingError(msg) from error

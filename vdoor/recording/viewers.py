@@ -24,9 +24,9 @@ INFO = 20
 CUBE_LIST, LINE_LIST, TEXT, DELETE_ALL = 6, 5, 9, 3
 PICTURE_TO_PX = 4096
 """Longest side of the picture; a larger map is shown by every second, third, ... cell."""
-GREY_FREE, GREY_UNKNOWN, GREY_OCCUPIED = 254, 205, 0
+GREYS = 3
+"""Colours of the palette before the rooms' hues: free, unknown, occupied."""
 HUES = 251
-"""Colours for rooms: with the three greys they fill most of an 8 bit palette."""
 
 Segments = NDArray[np.float64]
 """Lines (k, 2, 2) as start and end, each x, y in metres."""
@@ -155,15 +155,19 @@ def _picture(record: Any, time_ns: int, *, cells: NDArray[np.int8]) -> Any:
 
     every = -(-max(record.labels.shape) // PICTURE_TO_PX) or 1
     labels = record.labels[::every, ::every]
-    shown = np.where(cells[::every, ::every] < 0, 1, np.where(cells[::every, ::every] > FREE_TO, 2, 0)).astype(np.uint8)
+    shown = _GREY[cells[::every, ::every].view(np.uint8)]
     if shown.shape == labels.shape:
-        np.copyto(shown, ((labels - 1) % HUES + 3).astype(np.uint8), where=labels > 0)
+        np.copyto(shown, (labels % HUES + GREYS).astype(np.uint8), where=labels > 0)
     image = Image.fromarray(shown)
     image.putpalette(_palette())
     png = io.BytesIO()
-    image.save(png, "png", compress_level=1)
+    image.save(png, "png", compress_level=3)
     data = np.frombuffer(png.getvalue(), np.uint8)
     return ros.make("sensor_msgs/msg/CompressedImage", header=ros.header(time_ns), format="png", data=data)
+
+
+_GREY = np.array([0] * (FREE_TO + 1) + [2] * (127 - FREE_TO) + [1] * 128, np.uint8)
+"""Place in the palette of each value of a cell as an unsigned byte: -1 is 255."""
 
 
 @functools.cache
@@ -171,5 +175,5 @@ def _palette() -> bytes:
     """Free, unknown, occupied, then a hue a room, neighbours in number far apart in hue."""
     golden = 0.618034
     rooms = [colorsys.hsv_to_rgb(i * golden % 1, 0.55, 0.95) for i in range(HUES)]
-    greys = [(grey, grey, grey) for grey in (GREY_FREE, GREY_UNKNOWN, GREY_OCCUPIED)]
-    return bytes(c for rgb in greys for c in rgb) + bytes(round(255 * c) for rgb in rooms for c in rgb)
+    greys = [254] * 3 + [205] * 3 + [0] * 3
+    return bytes(greys) + bytes(round(255 * c) for rgb in rooms for c in rgb)

@@ -9,6 +9,7 @@ from typing import Annotated, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from vdoor.config import Within
 from vdoor.record import Frame, Record, Spec
 from vdoor.stages.curvature import EPSILON, Curvature, cross, dot
 from vdoor.stages.trace import BoundaryPath
@@ -44,7 +45,7 @@ class Corners(Record):
 class FindCandidates:
     """Keep the samples that bend by more than the threshold."""
 
-    angle_deg: float = 155.0
+    angle_deg: Annotated[float, Within(0, 180)] = 155.0
     """Samples below this angle are candidates (rho > 1/155)."""
 
     def __call__(self, path: BoundaryPath, curvature: Curvature) -> Candidates:
@@ -64,9 +65,9 @@ class FindCandidates:
 class FindCorners:
     """Keep the sharpest candidates of each kind within a window along the path."""
 
-    window_m: float = 0.25
+    window_m: Annotated[float, Within(0, 10)] = 0.25
     """Window to either side where obstacle cells are sampled (paper)."""
-    crack_window_m: float = 0.12
+    crack_window_m: Annotated[float, Within(0, 10)] = 0.12
     """The same where cracks are sampled, but never less than 1.2 cells."""
 
     def __call__(self, path: BoundaryPath, curvature: Curvature, candidates: Candidates) -> Corners:
@@ -102,7 +103,7 @@ def gaps_m(path: BoundaryPath, one: NDArray[np.int32], other: NDArray[np.int32])
     return np.minimum(ahead_m, path.length_m[path.contour[one]] - ahead_m)
 
 
-def next_on_contour(path: BoundaryPath, sample: NDArray[np.int32], ahead: int) -> NDArray[np.intp]:
+def next_on_contour(path: BoundaryPath, sample: NDArray[np.int32], ahead: int) -> NDArray[np.int64]:
     """Index into `sample` (k,), sorted, of the element `ahead` places on, cyclically within its contour."""
     contour = path.contour[sample]
     count = np.bincount(contour, minlength=len(path.first))

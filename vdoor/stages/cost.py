@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components
 
+from vdoor.config import Within
 from vdoor.stages.rooms import InitialMap, components
 
 Bits = NDArray[np.bool_]
@@ -25,13 +26,13 @@ TILT_UNIT_DEG2 = 1e-9
 class MapCost:
     """Weights of eq. 7."""
 
-    room_m2: float = 2.0
+    room_m2: Annotated[float, Within(0, 1e6)] = 2.0
     """Room threshold T: smaller rooms count as small nodes, and areas are compared with it."""
-    small_weight: float = 1.0
+    small_weight: Annotated[float, Within(0, 1e6)] = 1.0
     """w1, per small room."""
-    area_weight_per_m2: float = 0.05
+    area_weight_per_m2: Annotated[float, Within(0, 1e6)] = 0.05
     """w2, per m2 of AreaSD."""
-    tilt_weight_per_deg: float = 0.05
+    tilt_weight_per_deg: Annotated[float, Within(0, 1e6)] = 0.05
     """w3, per degree of DegSD."""
 
     def __call__(self, totals: Totals, sqrt: Callable[[Any], Any]) -> Costs:
@@ -107,7 +108,7 @@ class MergeProblem:
         begin = np.append(0, np.cumsum(per_row))
         graph = csr_array((np.ones(len(link), np.int8), choice * count + b[link], begin), shape=(choices * count,) * 2)
         _, room = connected_components(graph, directed=False)
-        return room.reshape(choices, count), is_open
+        return room.reshape(choices, count).astype(np.intp, copy=False), is_open
 
     def evaluate(self, removed: Bits) -> Costs:
         """Eq. 7 of each choice (p, edges); bit 1 = door removed."""
@@ -120,7 +121,7 @@ class MergeProblem:
         choice[room] = np.arange(choices)[:, None]
 
         def total(values: NDArray[np.generic]) -> Floats:
-            return np.bincount(choice[is_room], weights=values[is_room], minlength=choices)
+            return np.bincount(choice[is_room], weights=values[is_room], minlength=choices).astype(np.float64, copy=False)
 
         kept = ~removed
         return self.cost(Totals(

@@ -9,6 +9,7 @@ from typing import Annotated, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from vdoor.config import Within
 from vdoor.record import Frame, Record, Spec
 from vdoor.stages.trace import BoundaryPath, step_counts
 
@@ -40,9 +41,9 @@ class Curvature(Record):
 class EstimateCurvature:
     """Look as far along the path as it stays straight, in both directions, and take the angle between."""
 
-    straightness: float = 0.9
+    straightness: Annotated[float, Within(0, 1)] = 0.9
     """U_k: how much of the path's length the straight distance must reach."""
-    reach_m: float = 1.0
+    reach_m: Annotated[float, Within(0, 100)] = 1.0
     """Longest path looked along; without a limit far walls would bend into the estimate."""
 
     def __call__(self, path: BoundaryPath) -> Curvature:
@@ -106,7 +107,8 @@ class _Unrolled:
 
 def dot(a: NDArray[np.int32], b: NDArray[np.int32]) -> NDArray[np.int64]:
     """Dot products (n,) of rows (n, 2), exact."""
-    return (a.astype(np.int64) * b).sum(axis=1)
+    wide = a.astype(np.int64)
+    return wide[:, 0] * b[:, 0] + wide[:, 1] * b[:, 1]
 
 
 def cross(a: NDArray[np.int32], b: NDArray[np.int32]) -> NDArray[np.int64]:

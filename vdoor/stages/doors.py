@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from vdoor.grid import FREE
+from vdoor.config import Within
 from vdoor.record import Frame, Record, Spec
 from vdoor.stages.corners import Corners, gaps_m
 from vdoor.stages.curvature import EPSILON
@@ -56,11 +57,11 @@ class VirtualDoors(Record):
 class ProposeDoors:
     """Join convex corners that face each other, and single ones to the closest boundary."""
 
-    max_length_m: float = 1.2
+    max_length_m: Annotated[float, Within(0, 20)] = 1.2
     """Longest door, between the centres of its end cells."""
-    pair_detour: float = 1.5
+    pair_detour: Annotated[float, Within(0, 100)] = 1.5
     """Two corners of one contour make a door only if the path between them is so many times longer than the door."""
-    single_detour: float = 3.0
+    single_detour: Annotated[float, Within(0, 100)] = 3.0
     """The same for a corner and a boundary."""
 
     def __call__(self, simplified: SimplifiedGrid, path: BoundaryPath, corners: Corners) -> VirtualDoors:

@@ -15,13 +15,13 @@ if TYPE_CHECKING:
 
 
 class FlipState:
-    """A choice of doors with its rooms, and the best choice seen; starts with every door kept.
+    """A choice of doors with its rooms, and the best choice seen; every door is kept but those `removed`.
 
     A flip only changes the rooms around that door, so only those are searched again. The sums are the same whole
     numbers as in `MergeProblem.evaluate`, so the cost is the same to the last bit.
     """
 
-    def __init__(self, problem: MergeProblem) -> None:
+    def __init__(self, problem: MergeProblem, removed: Iterable[int] = ()) -> None:
         self.problem = problem
         self.removed = [False] * problem.edges
         self.neighbours = _neighbours(problem)
@@ -34,6 +34,8 @@ class FlipState:
         self.doors = [problem.edges, sum(self.tilt)]  # kept doors, their squared tilts
         self._next_room = 0
         self._add_rooms([node for node in range(len(self.cells)) if not self.kept_doors[node]])
+        for edge in removed:
+            self._flip(edge)
         self.cost = self._cost()
         self.best_cost, self.best = self.cost, list(self.removed)
 
@@ -49,6 +51,20 @@ class FlipState:
         if self.cost < self.best_cost:
             self.best_cost, self.best = self.cost, list(self.removed)
         return True
+
+    def open_if_idle(self, edge: int) -> list[list[int]]:
+        """Groups of rooms, each by its lowest node, that opening a kept door joins; opens it if it joins none."""
+        nodes = [node for node in self.nodes_of_edge[edge] if self.kept_doors[node] == 1]
+        around = {self.room_of[near] for node in nodes for near in self.neighbours[node]} - {-1}
+        lowest = [min(self.members[room]) for room in sorted(around)]
+        self._flip(edge)
+        groups: dict[int, list[int]] = {}
+        for node in lowest:
+            groups.setdefault(self.room_of[node], []).append(node)
+        joined = [group for group in groups.values() if len(group) > 1]
+        if joined:
+            self._flip(edge)
+        return joined
 
     def generation(self, number: int, evaluations: int, costs: list[float]) -> Generation:
         """The record of the best choice so far, with the mean and worst of the costs passed through."""
@@ -121,7 +137,7 @@ class FlipState:
         cell_m2 = self.problem.cell_m2
         totals = Totals(rooms, small, cells * cell_m2, squared * cell_m2**2, self.doors[0],
                         self.doors[1] * TILT_UNIT_DEG2)
-        return self.problem.cost(totals, sqrt=math.sqrt).cost
+        return float(self.problem.cost(totals, sqrt=math.sqrt).cost)
 
 
 def _neighbours(problem: MergeProblem) -> list[list[int]]:

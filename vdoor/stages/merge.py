@@ -14,6 +14,7 @@ from vdoor.grid import OccupancyGrid
 from vdoor.record import Frame
 from vdoor.stages.cost import Bits, MergeProblem
 from vdoor.stages.doors import KINDS
+from vdoor.stages.flips import FlipState
 from vdoor.stages.rooms import InitialMap, centres, components, polygons
 from vdoor.stages.search import Generation
 from vdoor.stages.simplify import SimplifiedGrid
@@ -30,24 +31,25 @@ class MergeRooms:
     def __call__(self, grid: OccupancyGrid, simplified: SimplifiedGrid, initial: InitialMap, best: Generation,
                  problem: MergeProblem) -> TopologicalMap:
         """Rooms and doors; kept doors that separate nothing are dropped."""
-        room_of_piece, kept = merged(initial, problem, best.removed)
+        room_of_piece, rows = merged(initial, problem, best.removed)
         working = np.append(0, room_of_piece)[initial.piece]
         labels = flooded(at_input(working, simplified.factor, grid.free), grid.free)
         labels, number = numbered(labels, int(room_of_piece.max()))
-        doors = door_rows(initial, np.flatnonzero(kept), np.append(-1, number[room_of_piece]))
+        doors = door_rows(initial, rows, number)
         passages = narrow_passages(labels, doors, simplified, grid.frame)
         doors = Doors(*(np.concatenate(parts) for parts in zip(doors, passages, strict=True)))
 
         room = number[room_of_piece[: len(initial.area_m2)]]
         feature = np.stack([room[initial.feature_region], initial.feature_corner], axis=1)
         feature, first = np.unique(feature[feature[:, 0] > 0], axis=0, return_index=True)
-        convex = initial.feature_convex[room[initial.feature_region] > 0][first]
+        source = np.flatnonzero(room[initial.feature_region] > 0)[first]
         rooms = int(labels.max(initial=0))
         vertex, vertex_room, vertex_ring = polygons(labels)
         cells = np.bincount(labels.ravel(), minlength=rooms + 1)[1:]
         return TopologicalMap(
-            labels=labels, centre=centres(labels, rooms), area_m2=cells * grid.frame.resolution_m**2,
-            **doors._asdict(), feature_room=feature[:, 0], feature_corner=feature[:, 1], feature_convex=convex,
+            labels=labels, centre=centres(labels, rooms), area_m2=cells.astype(np.float64) * grid.frame.resolution_m**2,
+            **doors._asdict(), feature_room=feature[:, 0], feature_corner=feature[:, 1], feature_convex=initial.feature_convex[source],
+            feature_m=initial.frame.world_from_cell(initial.feature_cell[source]),
             vertex_m=grid.frame.world_from_cell(vertex - 0.5), vertex_room=vertex_room, vertex_ring=vertex_ring,
             frame=grid.frame,
         )
@@ -67,28 +69,27 @@ class Doors(NamedTuple):
     room_b: Ints
 
 
-def merged(initial: InitialMap, problem: MergeProblem, removed: Bits) -> tuple[Ints, Bits]:
-    """Room (pieces,) of every piece, 1 and up, 0 on closed doors; and which edges are kept.
+def merged(initial: InitialMap, problem: MergeProblem, removed: Bits) -> tuple[Ints, list[tuple[int, int, int]]]:
+    """Room (pieces,) of every piece, 1 and up, 0 on closed doors; and rows of edge and two rooms, the lower first.
 
-    Doors with the same room on all sides are dropped, and again until none is left: opening one may join others.
+    A kept door that joins no two rooms when it is opened separates nothing and is dropped: of two doors with nothing
+    between them the more tilted goes, then the longer one.
     """
-    removed = removed.copy()
-    regions = len(initial.area_m2)
-    while True:
-        room, is_open = (rows[0] for rows in problem.rooms(removed[None, :]))
-        lowest = np.full(len(removed), np.iinfo(np.int64).max)
-        highest = np.full(len(removed), -1)
-        np.minimum.at(lowest, initial.border_edge, room[initial.border_region])
-        np.maximum.at(highest, initial.border_edge, room[initial.border_region])
-        idle = ~removed & (lowest == highest)
-        if not idle.any():
-            break
-        removed |= idle
-    _, number = np.unique(room[:regions], return_inverse=True)
+    state = FlipState(problem, np.flatnonzero(removed).tolist())
+    worst_first = np.lexsort((np.arange(problem.edges), initial.length_m, initial.tilt_rad))[::-1]
+    pairs = [
+        (edge, *pair)
+        for edge in worst_first.tolist() if not state.removed[edge]
+        for joined in state.open_if_idle(edge)
+        for pair in itertools.combinations(joined, 2)
+    ]
+    node = np.append(np.arange(problem.regions), problem.node_of_atom)
+    room = np.array(state.room_of)
+    _, number = np.unique(room[: problem.regions], return_inverse=True)
     of_room = np.zeros(room.max() + 1, np.int32)
-    of_room[room[:regions]] = number + 1
-    node = np.append(np.arange(regions), problem.node_of_atom)
-    return np.where(is_open[node], of_room[room[node]], 0).astype(np.int32), ~removed
+    of_room[room[: problem.regions]] = number + 1
+    room = np.where(room >= 0, of_room[room], 0).astype(np.int32)
+    return room[node], sorted((edge, *sorted((int(room[a]), int(room[b])))) for edge, a, b in pairs)
 
 
 def at_input(working: Ints, factor: int, free: Bits) -> Ints:
@@ -134,22 +135,16 @@ def numbered(labels: Ints, rooms: int) -> tuple[Ints, Ints]:
     return number[labels], number
 
 
-def door_rows(initial: InitialMap, kept: NDArray[np.intp], room_of_piece: Ints) -> Doors:
-    """One row for each pair of rooms that a kept edge joins."""
-    edges, room_a, room_b = [], [], []
-    begin = np.searchsorted(initial.border_edge, kept)
-    end = np.searchsorted(initial.border_edge, kept, "right")
-    for edge, row, stop in zip(kept.tolist(), begin.tolist(), end.tolist(), strict=True):
-        around = np.unique(room_of_piece[1 + initial.border_region[row:stop]])
-        for a, b in itertools.combinations(around[around > 0].tolist(), 2):
-            edges.append(edge)
-            room_a.append(a)
-            room_b.append(b)
-    edge = np.array(edges, np.int32)
+def door_rows(initial: InitialMap, rows: list[tuple[int, int, int]], number: Ints) -> Doors:
+    """The doors of rows of edge and two rooms; `number` says what each room is called."""
+    edge, a, b = np.array(rows, np.int32).reshape(-1, 3).T
+    room_a, room_b = np.sort([number[a], number[b]], axis=0)
+    real = room_a > 0
+    edge = edge[real]
     return Doors(
         edge, initial.frame.world_from_cell(initial.start[edge]), initial.frame.world_from_cell(initial.end[edge]),
         initial.kind[edge], initial.length_m[edge], initial.width_m[edge], initial.tilt_rad[edge],
-        np.array(room_a, np.int32), np.array(room_b, np.int32),
+        room_a[real], room_b[real],
     )
 
 
@@ -171,8 +166,8 @@ def narrow_passages(labels: Ints, doors: Doors, simplified: SimplifiedGrid, fram
     cell_m = simplified.frame.resolution_m
     place_m = frame.world_from_cell(place)
     explained = np.zeros(len(place), np.bool_)
-    tree = cKDTree(place_m) if len(place) else None
-    for row in range(len(doors.edge) if tree else 0):
+    tree = cKDTree(place_m)
+    for row in range(len(doors.edge)):
         middle_m = (doors.start_m[row] + doors.end_m[row]) / 2
         near = np.array(tree.query_ball_point(middle_m, doors.length_m[row] / 2 + 2 * cell_m), np.intp)
         near = near[(pair[near] == [doors.room_a[row], doors.room_b[row]]).all(axis=1)]

@@ -12,6 +12,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from vdoor.grid import FREE
+from vdoor.config import Within
 from vdoor.record import Frame, Record, Spec
 from vdoor.stages.contours import CRACK_START, follow
 from vdoor.stages.corners import Corners
@@ -60,6 +61,8 @@ class InitialMap(Record):
     feature_corner: Annotated[NDArray[np.int32], Spec("column", "feature")]
     """Which corners form the boundary of each region, sorted."""
     feature_convex: Annotated[NDArray[np.bool_], Spec("column", "feature")]
+    feature_cell: Annotated[NDArray[np.int32], Spec("cell", "feature 2")]
+    """The corner's obstacle cell."""
     vertex: Annotated[NDArray[np.int32], Spec("column", "vertex 2", unit="cell edges")]
     """Polygons with holes: (row, col) is the upper left corner of that cell; each ring closed by its first vertex."""
     vertex_region: Annotated[NDArray[np.int32], Spec("column", "vertex")]
@@ -72,7 +75,7 @@ class InitialMap(Record):
 class DivideRooms:
     """Cut the free space along all proposed doors and keep exact books of what opens when a door is removed."""
 
-    feature_samples: int = 2
+    feature_samples: Annotated[int, Within(0, 1_000)] = 2
     """A corner belongs to the regions the walker stands in up to so many samples before and after it."""
 
     def __call__(self, simplified: SimplifiedGrid, path: BoundaryPath, corners: Corners,
@@ -84,7 +87,7 @@ class DivideRooms:
         edges = proposed[~idle]
         pieces = cut(free, doors, edges)
         border = borders(pieces, len(edges))
-        area_m2 = pieces.cells * simplified.frame.resolution_m**2
+        area_m2 = pieces.cells.astype(np.float64) * simplified.frame.resolution_m**2
         feature = self._features(pieces, path, corners)
         vertex, vertex_region, vertex_ring = polygons(np.where(pieces.label <= pieces.regions, pieces.label, 0))
         return InitialMap(
@@ -95,6 +98,7 @@ class DivideRooms:
             atom_area_m2=area_m2[pieces.regions :], cover_atom=pieces.cover[:, 0], cover_edge=pieces.cover[:, 1],
             touch_a=pieces.touch[:, 0], touch_b=pieces.touch[:, 1],
             feature_region=feature[:, 0], feature_corner=feature[:, 1], feature_convex=corners.convex[feature[:, 1]],
+            feature_cell=corners.cell[feature[:, 1]],
             vertex=vertex, vertex_region=vertex_region - 1, vertex_ring=vertex_ring, frame=simplified.frame,
         )
 
@@ -195,7 +199,7 @@ def borders(pieces: Pieces, doors: int) -> Ints:
     their place on one side, and the regions behind that one count as well.
     """
     to_atom = pieces.touch[pieces.touch[:, 0] < pieces.regions]
-    own = _join(pieces.cover, to_atom[:, ::-1] - [pieces.regions, 0])
+    own = _join(pieces.cover, to_atom[:, ::-1] - np.array([pieces.regions, 0], np.int32))
     short = np.bincount(own[:, 0], minlength=doors) < 2  # noqa: PLR2004  # two sides
     if not short.any():
         return own

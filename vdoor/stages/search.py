@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vdoor.errors import SettingError
+from vdoor.config import Within
 from vdoor.record import Record, Spec
 from vdoor.stages.cost import Bits, Costs, MergeProblem
 from vdoor.stages.flips import FlipState
@@ -49,15 +50,15 @@ class Search(Protocol):
 class GeneticSearch:
     """The genetic algorithm as printed: uniform crossover, uneven mutation, elitism."""
 
-    population: int = 50
-    generations: int = 50
-    crossover: float = 0.5
+    population: Annotated[int, Within(2, 100_000)] = 50
+    generations: Annotated[int, Within(0, 1_000_000)] = 50
+    crossover: Annotated[float, Within(0, 1)] = 0.5
     """Probability that two parents exchange a bit."""
-    mutate_to_removed: float = 0.1
+    mutate_to_removed: Annotated[float, Within(0, 1)] = 0.1
     """Probability that a 0 becomes 1."""
-    mutate_to_kept: float = 0.01
+    mutate_to_kept: Annotated[float, Within(0, 1)] = 0.01
     """Probability that a 1 becomes 0."""
-    start_removed: float = 0.5
+    start_removed: Annotated[float, Within(0, 1)] = 0.5
     """Probability of a 1 in the first population (not printed)."""
 
     def __call__(self, problem: MergeProblem, rng: np.random.Generator) -> Iterator[Generation]:
@@ -88,9 +89,9 @@ class GeneticSearch:
 class ExhaustiveSearch:
     """Every choice there is: proves the optimum."""
 
-    most_edges: int = 20
+    most_edges: Annotated[int, Within(0, 30)] = 20
     """Refuse larger problems: each edge more takes twice the time."""
-    batch: int = 4096
+    batch: Annotated[int, Within(1, 1_048_576)] = 4096
     """Choices evaluated at once; one record a batch."""
 
     def __call__(self, problem: MergeProblem, rng: np.random.Generator) -> Iterator[Generation]:
@@ -114,11 +115,11 @@ class ExhaustiveSearch:
 class AnnealingSearch:
     """Simulated annealing: one door flipped at a time, worse choices accepted ever more rarely."""
 
-    evaluations: int = 25_000
-    per_generation: int = 500
+    evaluations: Annotated[int, Within(1, 1_000_000_000)] = 25_000
+    per_generation: Annotated[int, Within(1, 1_000_000_000)] = 500
     """Evaluations to one record."""
-    start_temperature: float = 1.0
-    end_temperature: float = 0.001
+    start_temperature: Annotated[float, Within(1e-09, 1_000_000_000.0)] = 1.0
+    end_temperature: Annotated[float, Within(1e-09, 1_000_000_000.0)] = 0.001
 
     def __call__(self, problem: MergeProblem, rng: np.random.Generator) -> Iterator[Generation]:
         """Starts with all doors kept, since then every flip is a local change."""

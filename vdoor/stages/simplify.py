@@ -12,6 +12,7 @@ from scipy import ndimage
 
 from vdoor.errors import MapError
 from vdoor.grid import FREE, OCCUPIED, UNKNOWN, OccupancyGrid
+from vdoor.config import Within
 from vdoor.record import Frame, Record, Spec
 
 Mask = NDArray[np.bool_]
@@ -37,15 +38,15 @@ class SimplifiedGrid(Record):
 class SimplifyGrid:
     """Resample, keep what the robot can reach, drop small islands, flatten juts and notches."""
 
-    cell_m: float = 0.20
+    cell_m: Annotated[float, Within(0, 10)] = 0.20
     """Working resolution; 0 = the map's own. The nearest whole multiple of the map's cell is taken."""
     robot_m: tuple[float, ...] = ()
     """Where the robot is (x, y in the map frame); without it the largest free component is taken as reachable."""
-    jut_m: float = 0.15
+    jut_m: Annotated[float, Within(0, 1)] = 0.15
     """Longest run that counts as a jut or notch; at least one cell."""
-    passes: int = 3
+    passes: Annotated[int, Within(0, 100)] = 3
     """Flattening is repeated at most so often."""
-    max_island_m: float = 0.0
+    max_island_m: Annotated[float, Within(0, 100)] = 0.0
     """Obstacles standing free whose bounding box is at most this long are removed; 0 keeps all (paper)."""
 
     def __call__(self, grid: OccupancyGrid) -> SimplifiedGrid:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vdoor.grid import FREE
+from vdoor.config import Within
 from vdoor.record import Frame, Record, Spec
 from vdoor.stages.contours import STEP, Contours, follow
 from vdoor.stages.simplify import SimplifiedGrid
@@ -54,7 +55,7 @@ class BoundaryPath(Record):
 class TraceBoundary:
     """Walk the boundary with the wall on the left and sample it."""
 
-    cracks_below_m: float = 0.1
+    cracks_below_m: Annotated[float, Within(0, 10)] = 0.1
     """Cells smaller than this are sampled at the middles of cracks, others at obstacle cells (paper)."""
 
     def __call__(self, simplified: SimplifiedGrid) -> BoundaryPath:

@@ -86,8 +86,8 @@ def cast_rays(sheet: Sheet, plan: Plan, settings: Apartment, rng: np.random.Gene
         for wall in faces(plan)
         if math.isclose(wall.at_m, (plan.inside.low, plan.inside.high)[wall.sign > 0][wall.axis])
     ]
-    for _ in range(rng.poisson(settings.windows)):
-        wall = outer[rng.integers(len(outer))]
+    for k in rng.permutation(len(outer))[: rng.poisson(settings.windows)].tolist():  # at most one window a wall
+        wall = outer[k]
         side = wall.floor.sides[wall.along]
         half = min(rng.uniform(0.6, 1.2), side - 0.6) / 2
         middle = wall.floor.low[wall.along] + rng.uniform(0.3 + half, side - 0.3 - half)
@@ -121,5 +121,5 @@ def speckle(sheet: Sheet, plan: Plan, settings: Apartment, rng: np.random.Genera
         state = FREE if rng.random() < 0.5 else OCCUPIED  # noqa: PLR2004  # as often as not
         blot = Rect((low[0], low[1]), (low[0] + sides[0], low[1] + sides[1]))
         near = sheet.cells[sheet.window(blot.grown(APART_M, APART_M))]
-        if not plan.shell.overlaps(blot) and not (near == FREE).any():
+        if not plan.shell.grown(APART_M, APART_M).overlaps(blot) and not (near == FREE).any():
             sheet.paint(blot, state)

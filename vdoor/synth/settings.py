@@ -70,7 +70,7 @@ class Apartment:
     wall_noise: float = 0.01
     """Share of the length of all wall faces that is covered by bumps of 5 cm."""
     windows: float = 1.0
-    """Mean number of windows through which scan rays leave."""
+    """Mean number of windows through which scan rays leave, at most one in each outer wall of a room."""
     speckles: float = 12.0
     """Mean number of free or occupied blots outside, out of reach."""
     rotation_deg: float = 0.0

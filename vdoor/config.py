@@ -1,0 +1,169 @@
+"""Settings as a TOML file or as ``stage.field=value``, laid over frozen dataclasses. Knows no stage by name."""
+
+from __future__ import annotations
+
+import ast
+import dataclasses
+import difflib
+import inspect
+import json
+import textwrap
+import tomllib
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any, TypeVar, get_args, get_type_hints
+
+from vdoor.errors import SettingError
+
+T = TypeVar("T")
+Choices = Mapping[str, Mapping[str, type]]
+"""Stages that have several classes: stage -> value of its ``method`` -> class."""
+
+METHOD = "method"
+
+
+@dataclasses.dataclass(frozen=True)
+class Within:
+    """Range of a setting, ends included: ``cell_m: Annotated[float, Within(0, 10)] = 0.2``."""
+
+    low: float
+    high: float
+
+
+def settings_of(pipeline: object, choices: Choices) -> dict[str, dict[str, Any]]:
+    """Every setting of every stage, as nested tables that `with_settings` reads back."""
+    tables: dict[str, dict[str, Any]] = {}
+    for field in dataclasses.fields(pipeline):  # type: ignore[arg-type]  # any pipeline dataclass
+        stage = getattr(pipeline, field.name)
+        values = {part.name: _plain(getattr(stage, part.name)) for part in dataclasses.fields(stage)}
+        if field.name in choices:
+            names = {kind: name for name, kind in choices[field.name].items()}
+            values = {METHOD: names[type(stage)], **values}
+        tables[field.name] = values
+    return tables
+
+
+def with_settings(pipeline: T, tables: Mapping[str, Any], choices: Choices, *, place: str = "settings") -> T:
+    """The pipeline with some settings replaced; SettingError names `place`, the setting and what was wanted."""
+    stages = {field.name: getattr(pipeline, field.name) for field in dataclasses.fields(pipeline)}  # type: ignore[arg-type]  # any pipeline dataclass
+    changed = {}
+    for name, table in tables.items():
+        _check_name(name, stages, place, "stage")
+        if not isinstance(table, Mapping):
+            raise SettingError(f"{place}: {name}: wanted a table of settings, found {table!r}")
+        stage, values = stages[name], dict(table)
+        if METHOD in values and name in choices:
+            method = values.pop(METHOD)
+            _check_name(str(method), choices[name], f"{place}: {name}", METHOD)
+            if type(stage) is not choices[name][method]:
+                stage = choices[name][method]()
+        changed[name] = _replaced(stage, values, f"{place}: {name}")
+    return dataclasses.replace(pipeline, **changed)  # type: ignore[type-var]  # any pipeline dataclass
+
+
+def _replaced(stage: Any, values: Mapping[str, Any], place: str) -> Any:
+    current = {field.name: getattr(stage, field.name) for field in dataclasses.fields(stage)}
+    ranges = ranges_of(type(stage))
+    for name, value in values.items():
+        _check_name(name, current, place, "setting")
+        current[name] = _like(current[name], value, f"{place}.{name}")
+        if name in ranges and not ranges[name].low <= current[name] <= ranges[name].high:
+            raise SettingError(f"{place}.{name}: wanted {ranges[name].low:g} to {ranges[name].high:g}, found {value!r}")
+    return type(stage)(**current)
+
+
+def _like(default: Any, value: Any, place: str) -> Any:
+    """The value in the type of the default; whole numbers pass as floats."""
+    if isinstance(default, bool) or isinstance(value, bool):
+        good = isinstance(default, bool) and isinstance(value, bool)
+    elif isinstance(default, float):
+        good, value = isinstance(value, (int, float)), float(value) if isinstance(value, (int, float)) else value
+        good = good and value == value and abs(value) != float("inf")  # noqa: PLR0124  # nan is unequal to itself
+    elif isinstance(default, tuple):
+        good = isinstance(value, (list, tuple)) and all(isinstance(part, (int, float)) for part in value)
+        value = tuple(map(float, value)) if good else value
+    else:
+        good = isinstance(value, type(default))
+    if not good:
+        raise SettingError(f"{place}: wanted {_kind(default)}, found {value!r}")
+    return value
+
+
+def _kind(default: Any) -> str:
+    names = {bool: "true or false", int: "a whole number", float: "a finite number", tuple: "a list of numbers"}
+    return names.get(type(default), "text")
+
+
+def _check_name(name: str, known: Iterable[str], place: str, what: str) -> None:
+    known = list(known)
+    if name not in known:
+        close = difflib.get_close_matches(name, known, n=1)
+        hint = f"did you mean {close[0]!r}?" if close else f"wanted one of {', '.join(known)}"
+        raise SettingError(f"{place}: no {what} {name!r}; {hint}")
+
+
+def read_toml(path: Path) -> dict[str, Any]:
+    """Tables of a settings file."""
+    try:
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise SettingError(f"settings file: wanted TOML, found: {error}: {path}") from error
+    except OSError as error:
+        raise SettingError(f"settings file: {error.strerror}: {path}") from error
+
+
+def parse_assignments(assignments: Iterable[str]) -> dict[str, dict[str, Any]]:
+    """Tables from ``stage.field=value``; values as in TOML, bare words are text."""
+    tables: dict[str, dict[str, Any]] = {}
+    for text in assignments:
+        name, equals, value = text.partition("=")
+        stage, dot, field = name.strip().partition(".")
+        if not (equals and dot and stage and field):
+            raise SettingError(f"--set: wanted stage.field=value, found {text!r}")
+        try:
+            parsed = tomllib.loads(f"value = {value}")["value"]
+        except tomllib.TOMLDecodeError:
+            parsed = value.strip()
+        tables.setdefault(stage, {})[field] = parsed
+    return tables
+
+
+def to_toml(pipeline: object, choices: Choices) -> str:
+    """All settings as a TOML file, each with its meaning as a comment."""
+    parts = []
+    for name, table in settings_of(pipeline, choices).items():
+        if not table:
+            continue
+        stage = getattr(pipeline, name)
+        lines = [f"# {inspect.getdoc(stage) or ''}".splitlines()[0], f"[{name}]"]
+        meaning = field_docs(type(stage))
+        if name in choices:
+            meaning[METHOD] = "One of " + ", ".join(choices[name])
+        ranges = ranges_of(type(stage))
+        for key, value in table.items():
+            span = f" ({ranges[key].low:g} to {ranges[key].high:g})" if key in ranges else ""
+            lines += [f"# {line}" for line in textwrap.wrap(meaning.get(key, "") + span, 100)]
+            lines.append(f"{key} = {json.dumps(value)}")
+        parts.append("\n".join(lines))
+    return "\n\n".join(parts) + "\n"
+
+
+def ranges_of(kind: type) -> dict[str, Within]:
+    """The range of each setting that has one."""
+    hints = get_type_hints(kind, include_extras=True)
+    return {name: note for name, hint in hints.items() for note in get_args(hint)[1:] if isinstance(note, Within)}
+
+
+def field_docs(kind: type) -> dict[str, str]:
+    """What the string below each field of a class says."""
+    body = ast.parse(textwrap.dedent(inspect.getsource(kind))).body[0]
+    docs: dict[str, str] = {}
+    statements = body.body if isinstance(body, ast.ClassDef) else []
+    for field, below in zip(statements, statements[1:], strict=False):
+        if isinstance(field, ast.AnnAssign) and isinstance(field.target, ast.Name) and isinstance(below, ast.Expr):
+            docs[field.target.id] = " ".join(str(ast.literal_eval(below.value)).split())
+    return docs
+
+
+def _plain(value: Any) -> Any:
+    return list(value) if isinstance(value, tuple) else value

@@ -1,0 +1,42 @@
+"""Files that appear under their name only when they are whole."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+
+from vdoor.errors import VdoorError
+
+
+def partial_name(path: Path) -> Path:
+    """The name a file has while it is written."""
+    return path.with_name(f"{path.name}.partial")
+
+
+def write_whole(path: Path, content: bytes) -> Path:
+    """Write a file under its partial name and rename it; VdoorError where that cannot be done."""
+    partial = partial_name(path)
+    try:
+        partial.write_bytes(content)
+        return partial.replace(path)
+    except OSError as error:
+        partial.unlink(missing_ok=True)
+        raise VdoorError(f"output: cannot be written ({error.strerror}): {path}") from error
+
+
+def make_folder(path: Path) -> Path:
+    """The folder, made with its parents if it is missing."""
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise VdoorError(f"output folder: cannot be made ({error.strerror}): {path}") from error
+    return path
+
+
+def refuse_existing(paths: Iterable[Path], *, force: bool) -> None:
+    """VdoorError naming the first of `paths` that exists, unless `force`; folders are refused always."""
+    for path in paths:
+        if path.is_dir():
+            raise VdoorError(f"output: wanted a file name, found a folder: {path}")
+        if path.exists() and not force:
+            raise VdoorError(f"output: exists already, --force overwrites it: {path}")

@@ -1,0 +1,116 @@
+"""The result as files: rooms.png with rooms.yaml, grid.png, map.json. Later commands need nothing else."""
+
+from __future__ import annotations
+
+import dataclasses
+import hashlib
+import io
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import yaml
+from numpy.typing import NDArray
+from PIL import Image
+
+from vdoor.emit import RunInfo
+from vdoor.errors import VdoorError
+from vdoor.files import make_folder, write_whole
+from vdoor.grid import OccupancyGrid
+from vdoor.topology import Door, Room, TopologicalMap
+
+SCHEMA = 1
+NAMES = ("rooms.png", "rooms.yaml", "grid.png", "map.json")
+MOST_ROOMS = 65_535
+GREY_OCCUPIED, GREY_UNKNOWN, GREY_FREE = 0, 205, 254
+
+
+def write_result(folder: Path, grid: OccupancyGrid, topology: TopologicalMap, document: Mapping[str, Any]) -> None:
+    """Write the four files into `folder`, made if missing; each appears when it is whole."""
+    rooms = len(topology.area_m2)
+    if rooms > MOST_ROOMS:
+        raise VdoorError(f"rooms.png: wanted at most {MOST_ROOMS} rooms, found {rooms}: {folder}")
+    contents = (
+        png(topology.labels.astype(np.uint16)),
+        map_server_yaml(grid, "rooms.png"),
+        png(greys(grid)),
+        (json.dumps(document, indent=1, allow_nan=False) + "\n").encode(),
+    )
+    make_folder(folder)
+    for name, content in zip(NAMES, contents, strict=True):
+        write_whole(folder / name, content)
+
+
+def document_of(topology: TopologicalMap, info: RunInfo, timings_s: Mapping[str, float]) -> dict[str, Any]:
+    """What map.json says: lengths in metres, points as [x, y] in the map frame."""
+    frame = topology.frame
+    rooms, doors = topology.rooms, topology.doors
+    return {
+        "schema": SCHEMA,
+        "vdoor": info.version,
+        "resolution_m": frame.resolution_m,
+        "size": {"width": frame.width, "height": frame.height},
+        "origin": {"x_m": frame.x_m, "y_m": frame.y_m, "yaw_rad": frame.yaw_rad},
+        "source": {
+            "files": [{"name": name, "sha256": hashlib.sha256(data).hexdigest()} for name, data in info.source.files],
+            "options": dict(info.source.options),
+        },
+        "preset": info.preset,
+        "settings": dict(info.settings),
+        "seed": info.seed,
+        "rooms": [_room(room) for room in rooms],
+        "doors": [_door(door) for door in doors],
+        "graph": {
+            "nodes": [room.id for room in rooms],
+            "edges": [{"door": door.id, "rooms": list(door.rooms)} for door in doors],
+        },
+        "timings_s": {stage: round(seconds, 4) for stage, seconds in timings_s.items()},
+    }
+
+
+def _room(room: Room) -> dict[str, Any]:
+    fields = dataclasses.asdict(room)
+    corners = [
+        {"point_m": corner["point_m"], "kind": "convex" if corner["convex"] else "concave"}
+        for corner in fields["corners"]
+    ]
+    return fields | {"corners": corners}
+
+
+def _door(door: Door) -> dict[str, Any]:
+    return dataclasses.asdict(door)
+
+
+def greys(grid: OccupancyGrid) -> NDArray[np.uint8]:
+    """The grid in map_server's three greys (h, w)."""
+    grey = np.full(grid.cells.shape, GREY_UNKNOWN, np.uint8)
+    grey[grid.free] = GREY_FREE
+    grey[grid.occupied] = GREY_OCCUPIED
+    return grey
+
+
+def png(image: NDArray[np.uint8] | NDArray[np.uint16]) -> bytes:
+    """A PNG of 8 or 16 bits grey."""
+    buffer = io.BytesIO()
+    Image.fromarray(image).save(buffer, format="png", compress_level=4)
+    return buffer.getvalue()
+
+
+def map_server_yaml(grid: OccupancyGrid, image: str, *, mode: str = "raw") -> bytes:
+    """What ROS map_server reads beside an image of the grid's shape."""
+    frame = grid.frame
+    return yaml.safe_dump(
+        {
+            "image": image,
+            "mode": mode,
+            "resolution": frame.resolution_m,
+            "origin": [frame.x_m, frame.y_m, frame.yaw_rad],
+            "negate": 0,
+            "occupied_thresh": 0.65,
+            "free_thresh": 0.196,
+        },
+        sort_keys=False,
+        default_flow_style=None,
+    ).encode()

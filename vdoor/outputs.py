@@ -1,0 +1,126 @@
+"""Where a run's records go: files that are renamed when whole, and live viewers."""
+
+from __future__ import annotations
+
+import signal
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from types import FrameType
+
+from vdoor.emit import RunInfo, Sink
+from vdoor.errors import VdoorError
+from vdoor.files import partial_name
+from vdoor.record import Record
+
+QUIET_S = 1.0
+
+
+class Interrupted(KeyboardInterrupt):
+    """Ctrl-C or SIGTERM."""
+
+    def __init__(self, number: int) -> None:
+        super().__init__()
+        self.exit_code = 128 + number
+
+
+@dataclass(frozen=True, kw_only=True)
+class Outputs:
+    """What was asked for on the command line."""
+
+    save: Path | None = None
+    mcap: Path | None = None
+    connect: str | None = None
+    serve: bool = False
+    spawn: bool = False
+
+    @property
+    def files(self) -> list[Path]:
+        """The recording files."""
+        return [path for path in (self.save, self.mcap) if path is not None]
+
+    def sinks(self, info: RunInfo) -> Iterator[Sink]:
+        """Open what was asked for, files under their partial names."""
+        if self.mcap is not None:
+            from vdoor.recording.mcap import McapSink  # noqa: PLC0415  # only where it is wanted
+
+            yield McapSink(partial_name(self.mcap), info)
+        if self.save or self.connect or self.serve or self.spawn:
+            from vdoor.viz.rerun import RerunSink  # noqa: PLC0415  # takes half a second
+
+            if self.save is not None:
+                yield RerunSink.to_file(partial_name(self.save), info)
+            if self.connect:
+                yield RerunSink.connect(self.connect, info)
+            if self.serve:
+                yield RerunSink.serve(info)
+            if self.spawn:
+                yield RerunSink.spawn(info)
+
+
+@contextmanager
+def opened(outputs: Outputs, info: RunInfo) -> Iterator[list[Sink]]:
+    """The sinks of a run; files get their names when the block ends well.
+
+    When it is interrupted they are closed, stay under their partial names and are named on stderr. When the input is
+    at fault nothing is left behind.
+    """
+    sinks: list[Sink] = []
+    with interruptible():
+        try:
+            sinks.extend(outputs.sinks(info))
+            yield sinks
+            for sink in sinks:
+                sink.close()
+            for path in outputs.files:
+                partial_name(path).replace(path)
+        except BaseException as error:
+            for sink in sinks:
+                try:
+                    sink.close()
+                except VdoorError as late:
+                    print(f"vdoor: {late}", file=sys.stderr)
+            for path in map(partial_name, outputs.files):
+                if isinstance(error, VdoorError):
+                    path.unlink(missing_ok=True)
+                elif path.exists():
+                    print(f"vdoor: recorded so far: {path}", file=sys.stderr)
+            raise
+
+
+@contextmanager
+def interruptible() -> Iterator[None]:
+    """Turn SIGTERM and Ctrl-C into `Interrupted` within the block."""
+
+    def stop(number: int, _: FrameType | None) -> None:
+        raise Interrupted(number)
+
+    before = {number: signal.signal(number, stop) for number in (signal.SIGTERM, signal.SIGINT)}
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+class Progress:
+    """A sink that says on stderr which stage is done: each one if `verbose`, else once a second of a long run."""
+
+    def __init__(self, *, verbose: bool) -> None:
+        self.verbose = verbose
+        self._start = self._said = time.monotonic()
+
+    def write(self, step: int, record: Record) -> None:
+        """Say it if it is time to."""
+        now = time.monotonic()
+        if self.verbose or now - self._said > QUIET_S:
+            number = getattr(record, "number", None)
+            which = record.topic if number is None else f"{record.topic} {number}"
+            print(f"vdoor: {now - self._start:6.1f} s  {which} ({step + 1} records)", file=sys.stderr)
+            self._said = now
+
+    def close(self) -> None:
+        """Nothing to finish."""
