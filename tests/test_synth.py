@@ -163,6 +163,18 @@ def test_furniture_keeps_clear_of_both_sides_of_a_door(seed: int) -> None:
 
 @law
 @given(seed=seeds)
+def test_furniture_lets_a_robot_of_30_cm_radius_through_to_every_door(seed: int) -> None:
+    kind = dataclasses.replace(CRAMMED, wall_noise=0.0, juts_per_room=0.0, windows=0.0, cell_m=FINE_M)
+    apartment = made(kind, seed)
+    walkable, _ = ndimage.label(ndimage.distance_transform_edt(apartment.grid.free) * FINE_M >= 0.3)
+    middles = [along(apartment, door, step_m=FINE_M)[round(door.width_m / FINE_M / 2)] for door in apartment.doors]
+    reached = {int(walkable[row, col]) for row, col in middles}
+    assert len(reached) == 1
+    assert reached != {0}
+
+
+@law
+@given(seed=seeds)
 def test_furniture_changes_neither_rooms_nor_doors(seed: int) -> None:
     kind = dataclasses.replace(PAPER, windows=0.0, cell_m=0.05)
     bare, furnished = (made(dataclasses.replace(kind, furniture=on), seed) for on in (False, True))
@@ -312,5 +324,5 @@ def _door(entry: dict[str, list[float]]) -> TrueDoor:
 
 def test_a_place_that_cannot_be_written_to_is_one_clear_line(tmp_path: Path) -> None:
     (tmp_path / "taken").write_text("")
-    with pytest.raises(VdoorError, match=r"synthetic map: wanted a folder to write to, found: .*: .*taken"):
+    with pytest.raises(VdoorError, match=r"cannot be made \(.*\): .*taken"):
         write_synthetic(made(PAPER, 0), tmp_path / "taken" / "flat")

@@ -1,3 +1,41 @@
-"""Rooms and doors from occupancy grid maps, every stage on record."""
+"""Rooms and doors from occupancy grid maps, every stage on record.
+
+>>> import vdoor
+>>> topology = vdoor.run(vdoor.read_map("recordings/flat.yaml"), preset="paper")
+>>> len(topology.rooms), len(topology.doors)
+(5, 4)
+"""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from vdoor.errors import MapError, MapWarning, RecordingError, SettingError, VdoorError
+    from vdoor.formats import read_map
+    from vdoor.grid import OccupancyGrid
+    from vdoor.pipeline import PRESETS, Pipeline, run
+    from vdoor.topology import Door, Room, TopologicalMap
 
 __version__ = "0.1.0"
+__all__ = [
+    "PRESETS", "Door", "MapError", "MapWarning", "OccupancyGrid", "Pipeline", "RecordingError", "Room", "SettingError",
+    "TopologicalMap", "VdoorError", "read_map", "run",
+]
+
+_HOME = {
+    "errors": ("MapError", "MapWarning", "RecordingError", "SettingError", "VdoorError"),
+    "formats": ("read_map",),
+    "grid": ("OccupancyGrid",),
+    "pipeline": ("PRESETS", "Pipeline", "run"),
+    "topology": ("Door", "Room", "TopologicalMap"),
+}
+
+
+def __getattr__(name: str) -> Any:
+    """Import a public name when it is first used, so that `vdoor --help` does not wait for numpy and scipy."""
+    for module, names in _HOME.items():
+        if name in names:
+            return getattr(importlib.import_module(f"vdoor.{module}"), name)
+    raise AttributeError(f"module 'vdoor' has no attribute {name!r}")

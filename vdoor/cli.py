@@ -100,17 +100,34 @@ def config(*, preset: Preset = "default", file: Config = None, set_: Set = None)
 
 @app.command(epilog="Example: vdoor synth maps/flat --kind paper --seed 3 --set furniture=true")
 def synth(
-    stem: Annotated[Path, typer.Argument(metavar="STEM", help="Writes STEM.pgm, STEM.yaml and the truth beside.")],
+    stem: Annotated[
+        Path | None, typer.Argument(metavar="STEM", help="Writes STEM.pgm, STEM.yaml and the truth beside.")
+    ] = None,
     *,
     kind: Annotated[str, typer.Option(help="Settings to start from: paper or paper-5cm.")] = "paper",
     set_: Annotated[list[str] | None, typer.Option("--set", metavar="FIELD=VALUE", help="One setting.")] = None,
     seed: Seed = 0,
+    show: Annotated[bool, typer.Option("--show", help="Print the settings instead.")] = False,
     force: Force = False,
 ) -> None:
     """Draw an apartment with its true rooms and doors."""
-    from vdoor import synthetic  # noqa: PLC0415
+    import numpy as np  # noqa: PLC0415
 
-    for path in synthetic.draw(stem, kind=kind, assignments=set_ or (), seed=seed, force=force):
+    from vdoor.config import commented, parse_assignments, replaced  # noqa: PLC0415
+    from vdoor.files import refuse_existing  # noqa: PLC0415
+    from vdoor.synth import PRESETS, synthesize, write_synthetic  # noqa: PLC0415
+
+    if kind not in PRESETS:
+        raise SettingError(f"--kind: wanted one of {', '.join(PRESETS)}, found {kind!r}")
+    values = parse_assignments(f"apartment.{text}" for text in set_ or ()).get("apartment", {})
+    settings = replaced(PRESETS[kind], values, "--set")
+    if show:
+        print("\n".join(commented(settings)))
+        return
+    if stem is None:
+        raise SettingError("synth: wanted STEM, the name of the files without their endings")
+    refuse_existing([stem.with_name(f"{stem.name}.pgm"), stem.with_name(f"{stem.name}.yaml")], force=force)
+    for path in write_synthetic(synthesize(settings, np.random.default_rng(seed)), stem, seed=seed):
         print(path)
 
 

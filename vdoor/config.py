@@ -57,11 +57,12 @@ def with_settings(pipeline: T, tables: Mapping[str, Any], choices: Choices, *, p
             _check_name(str(method), choices[name], f"{place}: {name}", METHOD)
             if type(stage) is not choices[name][method]:
                 stage = choices[name][method]()
-        changed[name] = _replaced(stage, values, f"{place}: {name}")
+        changed[name] = replaced(stage, values, f"{place}: {name}")
     return dataclasses.replace(pipeline, **changed)  # type: ignore[type-var]  # any pipeline dataclass
 
 
-def _replaced(stage: Any, values: Mapping[str, Any], place: str) -> Any:
+def replaced(stage: Any, values: Mapping[str, Any], place: str) -> Any:
+    """One dataclass with some settings replaced, types and ranges checked."""
     current = {field.name: getattr(stage, field.name) for field in dataclasses.fields(stage)}
     ranges = ranges_of(type(stage))
     for name, value in values.items():
@@ -132,20 +133,25 @@ def to_toml(pipeline: object, choices: Choices) -> str:
     """All settings as a TOML file, each with its meaning as a comment."""
     parts = []
     for name, table in settings_of(pipeline, choices).items():
-        if not table:
-            continue
         stage = getattr(pipeline, name)
-        lines = [f"# {inspect.getdoc(stage) or ''}".splitlines()[0], f"[{name}]"]
-        meaning = field_docs(type(stage))
-        if name in choices:
-            meaning[METHOD] = "One of " + ", ".join(choices[name])
-        ranges = ranges_of(type(stage))
-        for key, value in table.items():
-            span = f" ({ranges[key].low:g} to {ranges[key].high:g})" if key in ranges else ""
-            lines += [f"# {line}" for line in textwrap.wrap(meaning.get(key, "") + span, 100)]
-            lines.append(f"{key} = {json.dumps(value)}")
-        parts.append("\n".join(lines))
+        lines = [f"# {(inspect.getdoc(stage) or '').splitlines()[0]}", f"[{name}]"]
+        if METHOD in table and name in choices:
+            lines += [f"# One of {', '.join(choices[name])}", f"{METHOD} = {json.dumps(table.pop(METHOD))}"]
+        if table:
+            parts.append("\n".join([*lines, *commented(stage)]))
     return "\n\n".join(parts) + "\n"
+
+
+def commented(stage: Any) -> list[str]:
+    """Lines of TOML for the settings of one dataclass, each below its meaning and range."""
+    meaning, ranges = field_docs(type(stage)), ranges_of(type(stage))
+    lines = []
+    for field in dataclasses.fields(stage):
+        span = f"{ranges[field.name].low:g} to {ranges[field.name].high:g}" if field.name in ranges else ""
+        note = " ".join(part for part in (meaning.get(field.name), span and f"({span})") if part)
+        lines += [f"# {line}" for line in textwrap.wrap(note, 100)]
+        lines.append(f"{field.name} = {json.dumps(_plain(getattr(stage, field.name)))}")
+    return lines
 
 
 def ranges_of(kind: type) -> dict[str, Within]:

@@ -42,7 +42,7 @@ class OccupancyGrid(Record):
     @property
     def free(self) -> NDArray[np.bool_]:
         """Cells that are free by Nav2's default threshold (h, w)."""
-        return (self.cells >= FREE) & (self.cells <= FREE_TO)
+        return self.cells.view(np.uint8) <= FREE_TO  # unknown, -1, is 255 here
 
     @property
     def occupied(self) -> NDArray[np.bool_]:

@@ -114,6 +114,7 @@ def next_on_contour(path: BoundaryPath, sample: NDArray[np.int32], ahead: int) -
 def peaks(path: BoundaryPath, curvature: Curvature, candidates: Candidates, window_m: float) -> NDArray[np.bool_]:
     """Candidates (k,) that no candidate of their kind within the window is sharper than."""
     sharpness = cosine(curvature)[candidates.sample]
+    bend = candidates.convex & path.turned_left[candidates.sample] & (not path.on_cracks)
     peak = np.ones(len(sharpness), np.bool_)
     count = np.bincount(path.contour[candidates.sample])[path.contour[candidates.sample]]
     # Candidates stand in the order of the path: once nobody has a neighbour so far ahead, nobody has one further on.
@@ -123,7 +124,7 @@ def peaks(path: BoundaryPath, curvature: Curvature, candidates: Candidates, wind
         near &= ahead < count
         if not near.any():
             break
-        rival = near & (candidates.convex == candidates.convex[partner])
+        rival = near & (candidates.convex == candidates.convex[partner]) & ~(bend & bend[partner])
         peak[rival & (sharpness[partner] > sharpness)] = False
         peak[partner[rival & (sharpness > sharpness[partner])]] = False
     return peak

@@ -16,6 +16,7 @@ from vdoor.stages.cost import Bits, MergeProblem
 from vdoor.stages.doors import KINDS
 from vdoor.stages.flips import FlipState
 from vdoor.stages.rooms import InitialMap, centres, components, polygons
+from vdoor.stages.runs import runs_of
 from vdoor.stages.search import Generation
 from vdoor.stages.simplify import SimplifiedGrid
 from vdoor.topology import TopologicalMap
@@ -45,7 +46,7 @@ class MergeRooms:
         source = np.flatnonzero(room[initial.feature_region] > 0)[first]
         rooms = int(labels.max(initial=0))
         vertex, vertex_room, vertex_ring = polygons(labels)
-        cells = np.bincount(labels.ravel(), minlength=rooms + 1)[1:]
+        cells = runs_of(labels).cells(rooms)
         return TopologicalMap(
             labels=labels, centre=centres(labels, rooms), area_m2=cells.astype(np.float64) * grid.frame.resolution_m**2,
             **doors._asdict(), feature_room=feature[:, 0], feature_corner=feature[:, 1], feature_convex=initial.feature_convex[source],
@@ -126,12 +127,10 @@ def numbered(labels: Ints, rooms: int) -> tuple[Ints, Ints]:
 
     Rooms without a free cell of the input (they lay on removed islands) get 0.
     """
-    inside = np.flatnonzero(labels)
-    first = np.full(rooms + 1, labels.size)
-    np.minimum.at(first, labels.reshape(-1)[inside], inside)
-    first[0] = -1
-    number = np.argsort(np.argsort(first, kind="stable"), kind="stable").astype(np.int32)
-    number[first == labels.size] = 0
+    present = runs_of(labels).label
+    order = present[np.sort(np.unique(present, return_index=True)[1])]
+    number = np.zeros(rooms + 1, np.int32)
+    number[order] = np.arange(1, len(order) + 1)
     return number[labels], number
 
 

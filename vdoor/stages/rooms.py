@@ -17,6 +17,7 @@ from vdoor.record import Frame, Record, Spec
 from vdoor.stages.contours import CRACK_START, follow
 from vdoor.stages.corners import Corners
 from vdoor.stages.doors import KINDS, PROPOSED, VirtualDoors
+from vdoor.stages.runs import runs_of
 from vdoor.stages.simplify import SimplifiedGrid
 from vdoor.stages.trace import BoundaryPath
 
@@ -154,8 +155,9 @@ def cut(free: Mask, doors: VirtualDoors, chosen: Ints) -> Pieces:
              for down, right in ((0, 1), (1, 0), (0, -1), (-1, 0))]
     touch = np.sort(np.concatenate(pairs), axis=1)
     touch = np.unique(touch[(touch[:, 0] > 0) & (touch[:, 0] != touch[:, 1])], axis=0) - 1
-    cells = np.bincount(label.ravel(), minlength=regions + 1)[1:]
-    return Pieces(label.astype(np.int32, copy=False), regions, cells, cover, touch.astype(np.int32))
+    label = label.astype(np.int32, copy=False)
+    cells = runs_of(label).cells(regions + int(atom_of_cell.max(initial=-1)) + 1)
+    return Pieces(label, regions, cells, cover, touch.astype(np.int32))
 
 
 def atoms(flat: NDArray[np.int64], door: Ints, width: int) -> tuple[NDArray[np.int64], NDArray[np.intp], Ints]:
@@ -223,11 +225,7 @@ def _join(key_left: NDArray[np.integer], key_right: NDArray[np.integer]) -> Ints
 
 def centres(label: Ints, count: int) -> Ints:
     """The cell (count, 2) of each label 1 to `count` that lies nearest to the label's mean, the first one at a tie."""
-    row, col = np.nonzero((label > 0) & (label <= count))
-    owner = label[row, col]
-    cells = np.bincount(owner, minlength=count + 1)[1:]
-    sums = [np.bincount(owner, weights=axis, minlength=count + 1)[1:] for axis in (row, col)]
-    mean = np.stack(sums, axis=1) / np.maximum(cells, 1)[:, None]
+    mean = runs_of(label).means(count)
     centre = np.rint(mean).astype(np.int32)
     elsewhere = label[centre[:, 0], centre[:, 1]] != np.arange(1, count + 1)
     boxes = ndimage.find_objects(label, max_label=count) if elsewhere.any() else []

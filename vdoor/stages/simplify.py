@@ -14,6 +14,7 @@ from vdoor.errors import MapError
 from vdoor.grid import FREE, OCCUPIED, UNKNOWN, OccupancyGrid
 from vdoor.config import Within
 from vdoor.record import Frame, Record, Spec
+from vdoor.stages.runs import runs_of
 
 Mask = NDArray[np.bool_]
 
@@ -53,12 +54,11 @@ class SimplifyGrid:
         """Simplify `grid`; MapError where it has no free cell or the robot stands nowhere."""
         factor = max(1, round(self.cell_m / grid.frame.resolution_m))
         frame = working_frame(grid.frame, factor)
-        cells = resampled(grid, factor)
-        before = cells.copy()
-        reason = np.zeros(cells.shape, np.uint8)
+        before = resampled(grid, factor)
+        reason = np.zeros(before.shape, np.uint8)
 
-        free = self._reachable(cells == FREE, frame)
-        reason[(cells == FREE) & ~free] = REASONS.index("unreachable")
+        free = self._reachable(before == FREE, frame)
+        reason[(before == FREE) & ~free] = REASONS.index("unreachable")
         if self.max_island_m > 0:
             islands = small_islands(free, max(1, round(self.max_island_m / frame.resolution_m)))
             free |= islands
@@ -69,7 +69,9 @@ class SimplifyGrid:
 
         wall = touches(free) & ((before == OCCUPIED) | (reason == REASONS.index("notch")))
         reason[(before == OCCUPIED) & ~free & ~wall] = REASONS.index("unreachable")
-        cells = np.where(free, FREE, np.where(wall, OCCUPIED, UNKNOWN)).astype(np.int8)
+        cells = np.full(before.shape, UNKNOWN, np.int8)
+        cells[free] = FREE
+        cells[wall] = OCCUPIED
         reason[cells == before] = 0
         return SimplifiedGrid(cells=cells, reason=reason, factor=factor, frame=frame)
 
@@ -79,7 +81,7 @@ class SimplifyGrid:
         if count == 0:
             raise MapError("the map has no free cell, so there is nothing to divide into rooms")
         if not self.robot_m:
-            return np.asarray(labels == 1 + np.argmax(np.bincount(labels.ravel())[1:]))
+            return np.asarray(labels == 1 + np.argmax(runs_of(labels).cells(count)))
         place = frame.cell_from_world(np.array([self.robot_m]))[0]
         cells = np.argwhere(free)
         nearest = cells[np.argmin(((cells - place) ** 2).sum(axis=1))]
@@ -130,7 +132,10 @@ def small_islands(free: Mask, size: int) -> Mask:
 
 def touches(free: Mask) -> Mask:
     """Cells that are not free and have a free cell among their eight neighbours."""
-    return np.asarray(ndimage.maximum_filter(free, 3, mode="constant") & ~free)
+    near = np.pad(free, 1)
+    near[:, 1:-1] |= near[:, 2:] | near[:, :-2]
+    near[1:-1] |= near[2:] | near[:-2]
+    return near[1:-1, 1:-1] & ~free
 
 
 def flatten(free: Mask, run: int, passes: int) -> tuple[Mask, Mask]:

@@ -12,7 +12,7 @@ import numpy as np
 import yaml
 from PIL import Image
 
-from vdoor.errors import VdoorError
+from vdoor.files import make_folder, write_whole
 from vdoor.record import Frame
 from vdoor.synth.apartment import SyntheticMap, TrueDoor
 
@@ -33,11 +33,8 @@ def write_synthetic(made: SyntheticMap, path_stem: Path, *, seed: int | None = N
         f"{path_stem.name}_truth.json": (json.dumps(truth(made, seed=seed), indent=1) + "\n").encode(),
         f"{path_stem.name}.yaml": _yaml(made, f"{path_stem.name}.pgm"),
     }
-    try:
-        path_stem.parent.mkdir(parents=True, exist_ok=True)
-        return tuple(_write_whole(path_stem.with_name(name), content) for name, content in contents.items())
-    except OSError as error:
-        raise VdoorError(f"synthetic map: wanted a folder to write to, found: {error.strerror}: {path_stem}") from error
+    make_folder(path_stem.parent)
+    return tuple(write_whole(path_stem.with_name(name), content) for name, content in contents.items())
 
 
 def truth(made: SyntheticMap, *, seed: int | None = None) -> dict[str, Any]:
@@ -95,10 +92,3 @@ def _yaml(made: SyntheticMap, image: str) -> bytes:
         sort_keys=False,
         default_flow_style=None,
     ).encode()
-
-
-def _write_whole(path: Path, content: bytes) -> Path:
-    """Write a file under another name first, so that no half of it is ever seen under its own."""
-    partial = path.with_name(f"{path.name}.partial")
-    partial.write_bytes(content)
-    return partial.replace(path)
