@@ -1,0 +1,74 @@
+"""Options that several commands share, and what they are turned into."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from vdoor.errors import SettingError
+
+if TYPE_CHECKING:
+    from vdoor.grid import OccupancyGrid
+    from vdoor.pipeline import Pipeline
+
+MapFile = Annotated[Path, typer.Argument(metavar="MAP", help="ROS map YAML, PGM, PNG, BMP, TIFF or .npy.")]
+Preset = Annotated[str, typer.Option(help="paper (as printed) or default.")]
+Seed = Annotated[int, typer.Option(min=0, help="Seed of everything random.")]
+Config = Annotated[Path | None, typer.Option(metavar="FILE.toml", help="Settings file, see `vdoor config`.")]
+Set = Annotated[list[str] | None, typer.Option("--set", metavar="STAGE.FIELD=VALUE", help="One setting; repeatable.")]
+Resolution = Annotated[float | None, typer.Option(metavar="M", help="Cell size where the map does not say it.")]
+Unknown = Annotated[int | None, typer.Option(metavar="GREY", help="Read cells of this grey as unknown, say 205.")]
+MaxCells = Annotated[int, typer.Option(metavar="N", help="Refuse larger maps.")]
+Force = Annotated[bool, typer.Option("--force", help="Overwrite existing files.")]
+Json = Annotated[bool, typer.Option("--json", help="The result as JSON on stdout.")]
+
+
+def read_grid(path: Path, resolution_m: float | None, unknown: int | None, cells: int, *, quiet: bool) -> OccupancyGrid:
+    """Read a map, with the reader's warnings on stderr."""
+    import warnings
+
+    from vdoor.formats import read_map
+
+    with warnings.catch_warnings(record=True) as notes:
+        warnings.simplefilter("always")
+        grid = read_map(path, resolution_m=resolution_m, unknown_value=unknown, max_cells=cells)
+    for note in () if quiet else notes:
+        print(f"vdoor: note: {note.message}", file=sys.stderr)
+    return grid
+
+
+def chosen_pipeline(preset: str, file: Path | None, assignments: list[str] | None, *,
+              robot: tuple[float, float] | None = None) -> Pipeline:
+    """The preset with the settings file, then --set, then --robot laid over it."""
+    from vdoor.config import parse_assignments, read_toml, with_settings
+    from vdoor.pipeline import SEARCHES, preset_named
+
+    layers: list[tuple[str, dict[str, Any]]] = []
+    if file is not None:
+        layers.append((str(file), read_toml(file)))
+    layers.append(("--set", parse_assignments(assignments or ())))
+    if robot is not None:
+        layers.append(("--robot", {"simplify": {"robot_m": list(robot)}}))
+    pipeline = preset_named(preset)
+    for place, tables in layers:
+        pipeline = with_settings(pipeline, tables, {"search": SEARCHES}, place=place)
+    return pipeline
+
+
+def robot_place(grid: OccupancyGrid, text: str | None, *, cells: bool) -> tuple[float, float] | None:
+    """X,Y in the map frame from the command line."""
+    if text is None:
+        return None
+    try:
+        x, y = (float(part) for part in text.split(","))
+    except ValueError:
+        raise SettingError(f"--robot: wanted {'COL,ROW' if cells else 'X,Y'}, found {text!r}") from None
+    if not cells:
+        return x, y
+    import numpy as np
+
+    x_m, y_m = grid.frame.world_from_cell(np.array([[y, x]]))[0].tolist()
+    return x_m, y_m

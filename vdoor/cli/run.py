@@ -1,0 +1,122 @@
+"""`vdoor run` and `vdoor config`."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from vdoor import __version__
+from vdoor.cli.options import (
+    Config,
+    Force,
+    Json,
+    MapFile,
+    MaxCells,
+    Preset,
+    Resolution,
+    Seed,
+    Set,
+    Unknown,
+    chosen_pipeline,
+    read_grid,
+    robot_place,
+)
+
+if TYPE_CHECKING:
+    from vdoor.emit import RunInfo, Stopwatch
+    from vdoor.grid import OccupancyGrid
+    from vdoor.pipeline import Pipeline
+    from vdoor.topology import TopologicalMap
+
+
+def run(
+    map_file: MapFile,
+    *,
+    save: Annotated[Path | None, typer.Option(metavar="FILE.rrd", help="Rerun recording, to look at.")] = None,
+    mcap: Annotated[Path | None, typer.Option(metavar="FILE.mcap", help="MCAP recording, exact.")] = None,
+    out: Annotated[Path | None, typer.Option(metavar="DIR", help="rooms.png, rooms.yaml, grid.png, map.json.")] = None,
+    preset: Preset = "default",
+    config: Config = None,
+    set_: Set = None,
+    seed: Seed = 0,
+    robot: Annotated[str | None, typer.Option(metavar="X,Y", help="Where the robot is, m in the map frame.")] = None,
+    cells: Annotated[bool, typer.Option("--cells", help="--robot is COL,ROW of the map instead.")] = False,
+    resolution: Resolution = None,
+    unknown_value: Unknown = None,
+    max_cells: MaxCells = 100_000_000,
+    connect: Annotated[str | None, typer.Option(metavar="URL", help="Stream to a Rerun viewer that runs.")] = None,
+    serve: Annotated[bool, typer.Option("--serve", help="Stream to a web viewer on 127.0.0.1.")] = False,
+    spawn: Annotated[bool, typer.Option("--spawn", help="Open a Rerun viewer and stream to it.")] = False,
+    force: Force = False,
+    as_json: Json = False,
+    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Nothing on stderr but errors.")] = False,
+    verbose: Annotated[bool, typer.Option("--verbose", "-v", help="Every stage on stderr, with its time.")] = False,
+) -> None:
+    """Find the rooms and doors of a map."""
+    from vdoor.files import refuse_existing
+    from vdoor.formats import result
+    from vdoor.outputs import Outputs
+
+    outputs = Outputs(save=save, mcap=mcap, connect=connect, serve=serve, spawn=spawn)
+    folder_files = [out / name for name in result.NAMES] if out else []
+    refuse_existing([*outputs.files, *folder_files], force=force)
+    grid = read_grid(map_file, resolution, unknown_value, max_cells, quiet=quiet)
+    pipeline = chosen_pipeline(preset, config, set_, robot=robot_place(grid, robot, cells=cells))
+    info = _info(grid, preset, pipeline, seed)
+    topology, watch = _recorded(grid, pipeline, info, outputs, quiet=quiet, verbose=verbose)
+    document = result.document_of(topology, info, watch.cpu_s)
+    if out:
+        result.write_result(out, grid, topology, document)
+    _print_result(topology, document, as_json=as_json)
+    if verbose:
+        for stage, seconds in watch.cpu_s.items():
+            print(f"vdoor: {seconds:8.3f} s CPU  {stage}", file=sys.stderr)
+
+
+def config(*, preset: Preset = "default", file: Config = None, set_: Set = None) -> None:
+    """Print all settings as TOML."""
+    from vdoor.config import to_toml
+    from vdoor.pipeline import SEARCHES
+
+    print(to_toml(chosen_pipeline(preset, file, set_), {"search": SEARCHES}), end="")
+
+
+def _info(grid: OccupancyGrid, preset: str, pipeline: Pipeline, seed: int) -> RunInfo:
+    from vdoor.config import settings_of
+    from vdoor.emit import RunInfo
+    from vdoor.pipeline import SEARCHES
+
+    settings = settings_of(pipeline, {"search": SEARCHES})
+    return RunInfo(version=__version__, preset=preset, seed=seed, settings=settings, source=grid.source)
+
+
+def _recorded(grid: OccupancyGrid, pipeline: Pipeline, info: RunInfo, outputs: Any, *, quiet: bool,
+              verbose: bool) -> tuple[TopologicalMap, Stopwatch]:
+    """Run with all sinks open."""
+    from vdoor.emit import Recorder, Stopwatch
+    from vdoor.outputs import Progress, opened
+    from vdoor.pipeline import run as run_pipeline
+
+    with opened(outputs, info) as sinks:
+        watch = Stopwatch(Recorder([*sinks, *([] if quiet else [Progress(verbose=verbose)])]))
+        return run_pipeline(grid, pipeline, seed=info.seed, emit=watch), watch
+
+
+def _print_result(topology: TopologicalMap, document: dict[str, Any], *, as_json: bool) -> None:
+    if as_json:
+        import json
+
+        print(json.dumps(document))
+        return
+    rooms, doors = topology.rooms, topology.doors
+    print(f"{len(rooms)} room{'s' * (len(rooms) != 1)}, {len(doors)} door{'s' * (len(doors) != 1)}, "
+          f"{sum(room.area_m2 for room in rooms):.1f} m2")
+    for room in rooms:
+        to = ", ".join(map(str, room.neighbours)) or "none"
+        print(f"room {room.id:3d}  {room.area_m2:7.2f} m2  centre {room.centre_m[0]:.2f},{room.centre_m[1]:.2f}  "
+              f"neighbours {to}")
+    for door in doors:
+        print(f"door {door.id:3d}  {door.width_m:7.2f} m   rooms {door.rooms[0]} and {door.rooms[1]}  {door.kind}")
