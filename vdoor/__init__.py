@@ -20,8 +20,19 @@ if TYPE_CHECKING:
 
 __version__ = "0.1.0"
 __all__ = [
-    "PRESETS", "Door", "MapError", "MapWarning", "OccupancyGrid", "Pipeline", "RecordingError", "Room", "SettingError",
-    "TopologicalMap", "VdoorError", "read_map", "run",
+    "PRESETS",
+    "Door",
+    "MapError",
+    "MapWarning",
+    "OccupancyGrid",
+    "Pipeline",
+    "RecordingError",
+    "Room",
+    "SettingError",
+    "TopologicalMap",
+    "VdoorError",
+    "read_map",
+    "run",
 ]
 
 _HOME = {

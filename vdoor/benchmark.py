@@ -63,9 +63,16 @@ def measured(grids: Mapping[str, OccupancyGrid], pipeline: Pipeline, *, tile: in
         total_s = time.process_time() - start_s
         peak_mb = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
         adds = (recorded_s(grid, pipeline) - total_s) / total_s if record else None
-        yield Report(name=name, cells=(grid.frame.height, grid.frame.width), rooms=len(topology.area_m2),
-                     doors=len(topology.kind), stages_s=watch.cpu_s, total_s=total_s, peak_mb=peak_mb,
-                     recording_adds=adds)
+        yield Report(
+            name=name,
+            cells=(grid.frame.height, grid.frame.width),
+            rooms=len(topology.area_m2),
+            doors=len(topology.kind),
+            stages_s=watch.cpu_s,
+            total_s=total_s,
+            peak_mb=peak_mb,
+            recording_adds=adds,
+        )
 
 
 def recorded_s(grid: OccupancyGrid, pipeline: Pipeline) -> float:
@@ -102,8 +109,13 @@ def tiled(grid: OccupancyGrid, count: int) -> OccupancyGrid:
         if col + 1 < count:
             _lane(cells, corner + right, corner + left + [0, width], lane, turn=(row * height, corner[1] + width))
         if row + 1 < count:
-            _lane(cells.T, (corner + bottom)[::-1], (corner + top + [height, 0])[::-1], lane,
-                  turn=(col * width, corner[0] + height))
+            _lane(
+                cells.T,
+                (corner + bottom)[::-1],
+                (corner + top + [height, 0])[::-1],
+                lane,
+                turn=(col * width, corner[0] + height),
+            )
     return OccupancyGrid.from_array(cells, grid.frame.resolution_m)
 
 

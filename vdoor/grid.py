@@ -33,8 +33,16 @@ class OccupancyGrid(Record):
     source: Source = Source()
 
     @classmethod
-    def from_array(cls, cells: NDArray[np.int8], resolution_m: float, *, x_m: float = 0.0, y_m: float = 0.0,
-                   yaw_rad: float = 0.0, source: Source | None = None) -> OccupancyGrid:
+    def from_array(
+        cls,
+        cells: NDArray[np.int8],
+        resolution_m: float,
+        *,
+        x_m: float = 0.0,
+        y_m: float = 0.0,
+        yaw_rad: float = 0.0,
+        source: Source | None = None,
+    ) -> OccupancyGrid:
         """A grid of `cells` (h, w) int8 with -1 unknown, 0 free to 100 occupied."""
         frame = Frame(cells.shape[0], cells.shape[1], resolution_m, x_m, y_m, yaw_rad)
         return cls(cells=np.ascontiguousarray(cells), frame=frame, source=source or Source())

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import signal
-import sys
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -15,6 +14,7 @@ from vdoor.emit import RunInfo, Sink
 from vdoor.errors import VdoorError
 from vdoor.files import partial_name
 from vdoor.record import Record
+from vdoor.say import say
 
 QUIET_S = 1.0
 
@@ -82,12 +82,12 @@ def opened(outputs: Outputs, info: RunInfo) -> Iterator[list[Sink]]:
                 try:
                     sink.close()
                 except VdoorError as late:
-                    print(f"vdoor: {late}", file=sys.stderr)
+                    say(str(late))
             for path in map(partial_name, outputs.files):
                 if isinstance(error, VdoorError):
                     path.unlink(missing_ok=True)
                 elif path.exists():
-                    print(f"vdoor: recorded so far: {path}", file=sys.stderr)
+                    say(f"recorded so far: {path}")
             raise
 
 
@@ -119,7 +119,7 @@ class Progress:
         if self.verbose or now - self._said > QUIET_S:
             number = getattr(record, "number", None)
             which = record.topic if number is None else f"{record.topic} {number}"
-            print(f"vdoor: {now - self._start:6.1f} s  {which} ({step + 1} records)", file=sys.stderr)
+            say(f"{now - self._start:6.1f} s  {which} ({step + 1} records)")
             self._said = now
 
     def close(self) -> None:

@@ -54,8 +54,11 @@ def problems(pipeline: Pipeline) -> Iterator[tuple[int, bool, MergeProblem]]:
     seed = 0
     while True:
         furniture = bool(seed % 2)
-        initial = initial_map(pipeline, dataclasses.replace(PRESETS["paper"], rooms=3 + seed // 2 % 4, rooms_spread=0,
-                                                            furniture=furniture), seed)
+        initial = initial_map(
+            pipeline,
+            dataclasses.replace(PRESETS["paper"], rooms=3 + seed // 2 % 4, rooms_spread=0, furniture=furniture),
+            seed,
+        )
         if 1 <= len(initial.door) <= most:
             yield seed, furniture, MergeProblem(initial, pipeline.cost)
         seed += 1
@@ -89,14 +92,19 @@ def last(generations: Iterator[Generation]) -> Generation:
 def to_text(graphs: list[Graph]) -> str:
     """One line a graph, then the hit rate by number of doors."""
     lines = ["  seed furniture doors   optimum   hits  mean generation"]
-    lines += [f"{graph.apartment_seed:6d} {'yes' if graph.furniture else 'no':>9s} {graph.doors:5d} "
-              f"{graph.optimum:9.4f} {graph.hits:3d}/{graph.searches:<3d} {graph.generation:9.1f}" for graph in graphs]
+    lines += [
+        f"{graph.apartment_seed:6d} {'yes' if graph.furniture else 'no':>9s} {graph.doors:5d} "
+        f"{graph.optimum:9.4f} {graph.hits:3d}/{graph.searches:<3d} {graph.generation:9.1f}"
+        for graph in graphs
+    ]
     for low, high in GROUPS:
         group = [graph for graph in graphs if low <= graph.doors <= high]
         hits, searches = sum(graph.hits for graph in group), sum(graph.searches for graph in group)
         if searches:
-            lines.append(f"r = {low:2d} to {high:2d}: {len(group):3d} graphs, {hits}/{searches} = "
-                         f"{hits / searches:.4f} of searches reach the optimum")
+            lines.append(
+                f"r = {low:2d} to {high:2d}: {len(group):3d} graphs, {hits}/{searches} = "
+                f"{hits / searches:.4f} of searches reach the optimum"
+            )
     return "\n".join(lines)
 
 

@@ -95,9 +95,14 @@ class TopologicalMap(Record):
         """All doors, ids 1, 2, ... in order."""
         return [
             Door(
-                id=row + 1, rooms=(int(self.room_a[row]), int(self.room_b[row])), start_m=_point(self.start_m[row]),
-                end_m=_point(self.end_m[row]), length_m=float(self.length_m[row]), width_m=float(self.width_m[row]),
-                tilt_deg=float(np.degrees(self.tilt_rad[row])), kind=KINDS[self.kind[row]],
+                id=row + 1,
+                rooms=(int(self.room_a[row]), int(self.room_b[row])),
+                start_m=_point(self.start_m[row]),
+                end_m=_point(self.end_m[row]),
+                length_m=float(self.length_m[row]),
+                width_m=float(self.width_m[row]),
+                tilt_deg=float(np.degrees(self.tilt_rad[row])),
+                kind=KINDS[self.kind[row]],
             )
             for row in range(len(self.kind))
         ]
@@ -108,8 +113,11 @@ class TopologicalMap(Record):
         centre_m = self.frame.world_from_cell(self.centre)
         return [
             Room(
-                id=room, area_m2=float(self.area_m2[room - 1]), centre_m=_point(centre_m[room - 1]),
-                polygon_m=self.polygon_m(room), neighbours=self.neighbours(room),
+                id=room,
+                area_m2=float(self.area_m2[room - 1]),
+                centre_m=_point(centre_m[room - 1]),
+                polygon_m=self.polygon_m(room),
+                neighbours=self.neighbours(room),
                 corners=self.corners(room),
             )
             for room in range(1, len(self.area_m2) + 1)
@@ -137,8 +145,16 @@ class TopologicalMap(Record):
         for room in self.rooms:
             graph.add_node(room.id, area_m2=room.area_m2, centre_m=room.centre_m)
         for door in self.doors:
-            graph.add_edge(*door.rooms, key=door.id, kind=door.kind, width_m=door.width_m, length_m=door.length_m,
-                           tilt_deg=door.tilt_deg, start_m=door.start_m, end_m=door.end_m)
+            graph.add_edge(
+                *door.rooms,
+                key=door.id,
+                kind=door.kind,
+                width_m=door.width_m,
+                length_m=door.length_m,
+                tilt_deg=door.tilt_deg,
+                start_m=door.start_m,
+                end_m=door.end_m,
+            )
         return graph
 
 

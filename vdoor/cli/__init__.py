@@ -10,6 +10,7 @@ import typer
 from vdoor import __version__
 from vdoor.cli import run, studies
 from vdoor.errors import VdoorError
+from vdoor.say import say
 
 app = typer.Typer(
     help="Rooms and doors from occupancy grid maps, every stage on record.",
@@ -44,7 +45,7 @@ def main() -> None:
     try:
         app()
     except VdoorError as error:
-        print(f"vdoor: {error}", file=sys.stderr)
+        say(str(error))
         sys.exit(2)
     except KeyboardInterrupt as error:
         sys.exit(getattr(error, "exit_code", 130))

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from vdoor.errors import SettingError
+from vdoor.say import say
 
 if TYPE_CHECKING:
     from vdoor.grid import OccupancyGrid
@@ -36,12 +36,13 @@ def read_grid(path: Path, resolution_m: float | None, unknown: int | None, cells
         warnings.simplefilter("always")
         grid = read_map(path, resolution_m=resolution_m, unknown_value=unknown, max_cells=cells)
     for note in () if quiet else notes:
-        print(f"vdoor: note: {note.message}", file=sys.stderr)
+        say(f"note: {note.message}")
     return grid
 
 
-def chosen_pipeline(preset: str, file: Path | None, assignments: list[str] | None, *,
-              robot: tuple[float, float] | None = None) -> Pipeline:
+def chosen_pipeline(
+    preset: str, file: Path | None, assignments: list[str] | None, *, robot: tuple[float, float] | None = None
+) -> Pipeline:
     """The preset with the settings file, then --set, then --robot laid over it."""
     from vdoor.config import parse_assignments, read_toml, with_settings
     from vdoor.pipeline import SEARCHES, preset_named

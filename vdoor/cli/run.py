@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -24,6 +23,7 @@ from vdoor.cli.options import (
     read_grid,
     robot_place,
 )
+from vdoor.say import say
 
 if TYPE_CHECKING:
     from vdoor.emit import RunInfo, Stopwatch
@@ -73,7 +73,7 @@ def run(
     _print_result(topology, document, as_json=as_json)
     if verbose:
         for stage, seconds in watch.cpu_s.items():
-            print(f"vdoor: {seconds:8.3f} s CPU  {stage}", file=sys.stderr)
+            say(f"{seconds:8.3f} s CPU  {stage}")
 
 
 def config(*, preset: Preset = "default", file: Config = None, set_: Set = None) -> None:
@@ -93,8 +93,9 @@ def _info(grid: OccupancyGrid, preset: str, pipeline: Pipeline, seed: int) -> Ru
     return RunInfo(version=__version__, preset=preset, seed=seed, settings=settings, source=grid.source)
 
 
-def _recorded(grid: OccupancyGrid, pipeline: Pipeline, info: RunInfo, outputs: Any, *, quiet: bool,
-              verbose: bool) -> tuple[TopologicalMap, Stopwatch]:
+def _recorded(
+    grid: OccupancyGrid, pipeline: Pipeline, info: RunInfo, outputs: Any, *, quiet: bool, verbose: bool
+) -> tuple[TopologicalMap, Stopwatch]:
     """Run with all sinks open."""
     from vdoor.emit import Recorder, Stopwatch
     from vdoor.outputs import Progress, opened
@@ -112,11 +113,15 @@ def _print_result(topology: TopologicalMap, document: dict[str, Any], *, as_json
         print(json.dumps(document))
         return
     rooms, doors = topology.rooms, topology.doors
-    print(f"{len(rooms)} room{'s' * (len(rooms) != 1)}, {len(doors)} door{'s' * (len(doors) != 1)}, "
-          f"{sum(room.area_m2 for room in rooms):.1f} m2")
+    print(
+        f"{len(rooms)} room{'s' * (len(rooms) != 1)}, {len(doors)} door{'s' * (len(doors) != 1)}, "
+        f"{sum(room.area_m2 for room in rooms):.1f} m2"
+    )
     for room in rooms:
         to = ", ".join(map(str, room.neighbours)) or "none"
-        print(f"room {room.id:3d}  {room.area_m2:7.2f} m2  centre {room.centre_m[0]:.2f},{room.centre_m[1]:.2f}  "
-              f"neighbours {to}")
+        print(
+            f"room {room.id:3d}  {room.area_m2:7.2f} m2  centre {room.centre_m[0]:.2f},{room.centre_m[1]:.2f}  "
+            f"neighbours {to}"
+        )
     for door in doors:
         print(f"door {door.id:3d}  {door.width_m:7.2f} m   rooms {door.rooms[0]} and {door.rooms[1]}  {door.kind}")

@@ -56,7 +56,10 @@ class FindCandidates:
         side = cross(curvature.backward[sample], curvature.forward[sample])
         convex = (side < 0) | ((side == 0) & path.turned_left[sample])
         return Candidates(
-            cell=path.cell[sample], sample=sample, angle_rad=curvature.angle_rad[sample], convex=convex,
+            cell=path.cell[sample],
+            sample=sample,
+            angle_rad=curvature.angle_rad[sample],
+            convex=convex,
             frame=path.frame,
         )
 
@@ -85,8 +88,12 @@ class FindCorners:
         convex = np.zeros(len(path.cell), np.bool_)
         convex[candidates.sample] = candidates.convex
         return Corners(
-            cell=path.cell[sample], sample=sample, quarter=quarter, angle_rad=curvature.angle_rad[sample],
-            convex=convex[sample], frame=path.frame,
+            cell=path.cell[sample],
+            sample=sample,
+            quarter=quarter,
+            angle_rad=curvature.angle_rad[sample],
+            convex=convex[sample],
+            frame=path.frame,
         )
 
 
@@ -108,7 +115,8 @@ def next_on_contour(path: BoundaryPath, sample: NDArray[np.int32], ahead: int) -
     contour = path.contour[sample]
     count = np.bincount(contour, minlength=len(path.first))
     begin = np.cumsum(count) - count
-    return begin[contour] + (np.arange(len(sample)) - begin[contour] + ahead) % count[contour]
+    place = np.arange(len(sample)) - begin[contour] + ahead
+    return (begin[contour] + place % count[contour]).astype(np.int64, copy=False)
 
 
 def peaks(path: BoundaryPath, curvature: Curvature, candidates: Candidates, window_m: float) -> NDArray[np.bool_]:
@@ -130,8 +138,9 @@ def peaks(path: BoundaryPath, curvature: Curvature, candidates: Candidates, wind
     return peak
 
 
-def middles(path: BoundaryPath, sample: NDArray[np.int32], convex: NDArray[np.bool_],
-            window_m: float) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
+def middles(
+    path: BoundaryPath, sample: NDArray[np.int32], convex: NDArray[np.bool_], window_m: float
+) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
     """Middle samples (m,) of the plateaus that the peaks form, and their places (m, 2) in quarter cells."""
     after = next_on_contour(path, sample, 1)
     linked = (gaps_m(path, sample, sample[after]) <= window_m + EPSILON) & (convex == convex[after])
@@ -156,8 +165,13 @@ def middles(path: BoundaryPath, sample: NDArray[np.int32], convex: NDArray[np.bo
     keys = np.column_stack([path.contour[sample[pillar]], path.cell[sample[pillar]]])
     pillar = pillar[np.unique(keys, axis=0, return_index=True)[1]]
     chosen = np.concatenate([low, high[two], pillar])
-    places = np.concatenate([np.where(two[:, None], 2 * path.half[sample[low]], quarter),
-                             2 * path.half[sample[high[two]]], 2 * path.half[sample[pillar]]])
+    places = np.concatenate(
+        [
+            np.where(two[:, None], 2 * path.half[sample[low]], quarter),
+            2 * path.half[sample[high[two]]],
+            2 * path.half[sample[pillar]],
+        ]
+    )
     return sample[chosen], places.astype(np.int32)
 
 

@@ -40,8 +40,11 @@ class MapCost:
         mean_square = (totals.area_squared_m4 - 2 * self.room_m2 * totals.area_m2) / totals.rooms + self.room_m2**2
         area_sd_m2 = sqrt(abs(mean_square))  # rounding may leave a zero just below 0
         tilt_sd_deg = sqrt(totals.tilt_squared_deg2 / (totals.doors + (totals.doors == 0)))
-        cost = (self.small_weight * totals.small + self.area_weight_per_m2 * area_sd_m2
-                + self.tilt_weight_per_deg * tilt_sd_deg)
+        cost = (
+            self.small_weight * totals.small
+            + self.area_weight_per_m2 * area_sd_m2
+            + self.tilt_weight_per_deg * tilt_sd_deg
+        )
         return Costs(cost, totals.small, area_sd_m2, tilt_sd_deg)
 
 
@@ -121,25 +124,32 @@ class MergeProblem:
         choice[room] = np.arange(choices)[:, None]
 
         def total(values: NDArray[np.generic]) -> Floats:
-            return np.bincount(choice[is_room], weights=values[is_room], minlength=choices).astype(np.float64, copy=False)
+            return np.bincount(choice[is_room], weights=values[is_room], minlength=choices).astype(
+                np.float64, copy=False
+            )
 
         kept = ~removed
-        return self.cost(Totals(
-            rooms=total(np.ones(len(cells))).astype(np.int64),
-            small=total(cells < self.small_cells).astype(np.int64),
-            area_m2=total(cells) * self.cell_m2,
-            area_squared_m4=total(cells**2) * self.cell_m2**2,
-            doors=kept.sum(axis=1),
-            tilt_squared_deg2=(kept * self.tilt).sum(axis=1) * TILT_UNIT_DEG2,
-        ), sqrt=np.sqrt)
+        return self.cost(
+            Totals(
+                rooms=total(np.ones(len(cells))).astype(np.int64),
+                small=total(cells < self.small_cells).astype(np.int64),
+                area_m2=total(cells) * self.cell_m2,
+                area_squared_m4=total(cells**2) * self.cell_m2**2,
+                doors=kept.sum(axis=1),
+                tilt_squared_deg2=(kept * self.tilt).sum(axis=1) * TILT_UNIT_DEG2,
+            ),
+            sqrt=np.sqrt,
+        )
 
 
 def bundles(initial: InitialMap) -> tuple[NDArray[np.intp], NDArray[np.intp], NDArray[np.int32]]:
     """Bundle (atoms,) of each atom; where each bundle's edges begin, and the edges that cover it, flat."""
     atoms = len(initial.atom_area_m2)
     begin = np.searchsorted(initial.cover_atom, np.arange(atoms))
-    cover = [initial.cover_edge[slice(*ends)].tobytes() for ends in zip(begin, np.append(begin[1:],
-             len(initial.cover_edge)), strict=True)]
+    cover = [
+        initial.cover_edge[slice(*ends)].tobytes()
+        for ends in zip(begin, np.append(begin[1:], len(initial.cover_edge)), strict=True)
+    ]
     number = {key: index for index, key in enumerate(dict.fromkeys(cover))}
     same_doors = np.array([number[key] for key in cover], np.intp)
     regions = len(initial.area_m2)

@@ -58,8 +58,14 @@ class EstimateCurvature:
         with np.errstate(divide="ignore"):
             rho_per_deg = 1.0 / np.degrees(angle_rad)
         return Curvature(
-            cell=path.cell, k_forward=k_forward, k_backward=k_backward, forward=forward, backward=backward,
-            angle_rad=angle_rad, rho_per_deg=rho_per_deg, frame=path.frame,
+            cell=path.cell,
+            k_forward=k_forward,
+            k_backward=k_backward,
+            forward=forward,
+            backward=backward,
+            angle_rad=angle_rad,
+            rho_per_deg=rho_per_deg,
+            frame=path.frame,
         )
 
     def neighbours(self, path: BoundaryPath) -> tuple[NDArray[np.int32], NDArray[np.int32]]:

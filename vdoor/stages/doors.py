@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Annotated, ClassVar, NamedTuple
+from typing import Annotated, Any, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from vdoor.grid import FREE
 from vdoor.config import Within
+from vdoor.grid import FREE
 from vdoor.record import Frame, Record, Spec
 from vdoor.stages.corners import Corners, gaps_m
 from vdoor.stages.curvature import EPSILON
@@ -71,17 +72,25 @@ class ProposeDoors:
         pairs = self._pairs(free, path, corners, convex)
         paired = np.unique(pairs.corners[pairs.verdict == PROPOSED])
         single = self._singles(free, path, corners, np.setdiff1d(convex, paired))
-        found = _Found(*(np.concatenate(part) for part in zip(pairs, single, strict=True)))
+        found = pairs.followed_by(single)
         verdict = without_duplicates(found)
         proposed = np.flatnonzero(verdict == PROPOSED)
         _, line_cell, owner = lines_between(free, found.start[proposed], found.end[proposed])
         cell_m = path.frame.resolution_m
         length_m, width_m, tilt_rad = measures(found.start, found.end, cell_m)
         return VirtualDoors(
-            start=found.start, end=found.end, kind=found.kind, verdict=verdict,
-            corner_start=found.corners[:, 0], corner_end=found.corners[:, 1],
-            length_m=length_m, width_m=width_m, tilt_rad=tilt_rad,
-            line_cell=line_cell, line_door=proposed[owner].astype(np.int32), frame=path.frame,
+            start=found.start,
+            end=found.end,
+            kind=found.kind,
+            verdict=verdict,
+            corner_start=found.corners[:, 0],
+            corner_end=found.corners[:, 1],
+            length_m=length_m,
+            width_m=width_m,
+            tilt_rad=tilt_rad,
+            line_cell=line_cell,
+            line_door=proposed[owner].astype(np.int32),
+            frame=path.frame,
         )
 
     def _pairs(self, free: Mask, path: BoundaryPath, corners: Corners, convex: Ints) -> _Found:
@@ -94,8 +103,7 @@ class ProposeDoors:
         verdict = np.full(len(both), PROPOSED, np.uint8)
         clear, _, _ = lines_between(free, start, end)
         verdict[~clear] = VERDICTS.index("blocked")
-        same = self._same_wall(path, corners.sample[both[:, 0]], corners.sample[both[:, 1]], start, end,
-                               self.pair_detour)
+        same = same_wall(path, corners.sample[both[:, 0]], corners.sample[both[:, 1]], self.pair_detour)
         verdict[same] = VERDICTS.index("same wall")
         verdict[np.abs(end - start).max(axis=1, initial=0) <= 1] = VERDICTS.index("no gap")
         return _Found(start, end, np.zeros(len(both), np.uint8), verdict, both)
@@ -128,7 +136,7 @@ class ProposeDoors:
         near = tree.sparse_distance_matrix(boundary, self._reach(path), output_type="ndarray")
         corner, sample = alone[near["i"]], near["j"].astype(np.int32)
         start, end = corners.cell[corner], path.cell[sample]
-        own = self._same_wall(path, corners.sample[corner], sample, start, end, self.single_detour)
+        own = same_wall(path, corners.sample[corner], sample, self.single_detour)
         own |= np.abs(end - start).max(axis=1) <= 1
         # one entry a cell: own walls first, so that one own sample speaks for its cell
         cell = end[:, 0].astype(np.int64) * path.frame.width + end[:, 1]
@@ -143,11 +151,12 @@ class ProposeDoors:
         """Longest door in cells."""
         return self.max_length_m / path.frame.resolution_m + EPSILON
 
-    def _same_wall(self, path: BoundaryPath, one: Ints, other: Ints, start: Ints, end: Ints, detour: float) -> Mask:
-        """Whether the path between two samples is so short that the segment only cuts along their common wall."""
-        length_m = np.hypot(*(end - start).T) * path.frame.resolution_m
-        common = path.contour[one] == path.contour[other]
-        return np.asarray(common & (gaps_m(path, one, other) <= detour * length_m + EPSILON))
+
+def same_wall(path: BoundaryPath, one: Ints, other: Ints, detour: float) -> Mask:
+    """Whether the path between two samples is so short that their segment only cuts along one wall."""
+    length_m = np.hypot(*(path.cell[other] - path.cell[one]).T) * path.frame.resolution_m
+    common = path.contour[one] == path.contour[other]
+    return np.asarray(common & (gaps_m(path, one, other) <= detour * length_m + EPSILON))
 
 
 class _Found(NamedTuple):
@@ -158,6 +167,11 @@ class _Found(NamedTuple):
     kind: NDArray[np.uint8]
     verdict: NDArray[np.uint8]
     corners: Ints
+
+    def followed_by(self, other: _Found) -> _Found:
+        """Both lists, one after the other."""
+        columns: Iterator[tuple[Any, Any]] = zip(self, other, strict=True)
+        return _Found(*map(np.concatenate, columns))
 
 
 def without_duplicates(found: _Found) -> NDArray[np.uint8]:

@@ -135,8 +135,9 @@ class FlipState:
     def _cost(self) -> float:
         rooms, small, cells, squared = self.sums
         cell_m2 = self.problem.cell_m2
-        totals = Totals(rooms, small, cells * cell_m2, squared * cell_m2**2, self.doors[0],
-                        self.doors[1] * TILT_UNIT_DEG2)
+        totals = Totals(
+            rooms, small, cells * cell_m2, squared * cell_m2**2, self.doors[0], self.doors[1] * TILT_UNIT_DEG2
+        )
         return float(self.problem.cost(totals, sqrt=math.sqrt).cost)
 
 

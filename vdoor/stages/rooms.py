@@ -11,8 +11,8 @@ from scipy import ndimage
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from vdoor.grid import FREE
 from vdoor.config import Within
+from vdoor.grid import FREE
 from vdoor.record import Frame, Record, Spec
 from vdoor.stages.contours import CRACK_START, follow
 from vdoor.stages.corners import Corners
@@ -79,8 +79,9 @@ class DivideRooms:
     feature_samples: Annotated[int, Within(0, 1_000)] = 2
     """A corner belongs to the regions the walker stands in up to so many samples before and after it."""
 
-    def __call__(self, simplified: SimplifiedGrid, path: BoundaryPath, corners: Corners,
-                 doors: VirtualDoors) -> InitialMap:
+    def __call__(
+        self, simplified: SimplifiedGrid, path: BoundaryPath, corners: Corners, doors: VirtualDoors
+    ) -> InitialMap:
         """Regions are 4-connected; doors that border fewer than two regions are left out."""
         free = simplified.cells == FREE
         proposed = np.flatnonzero(doors.verdict == PROPOSED).astype(np.int32)
@@ -92,15 +93,32 @@ class DivideRooms:
         feature = self._features(pieces, path, corners)
         vertex, vertex_region, vertex_ring = polygons(np.where(pieces.label <= pieces.regions, pieces.label, 0))
         return InitialMap(
-            piece=pieces.label, centre=centres(pieces.label, pieces.regions), area_m2=area_m2[: pieces.regions],
-            start=doors.start[edges], end=doors.end[edges], door=edges, kind=doors.kind[edges],
-            length_m=doors.length_m[edges], width_m=doors.width_m[edges], tilt_rad=doors.tilt_rad[edges],
-            idle_door=proposed[idle], border_edge=border[:, 0], border_region=border[:, 1],
-            atom_area_m2=area_m2[pieces.regions :], cover_atom=pieces.cover[:, 0], cover_edge=pieces.cover[:, 1],
-            touch_a=pieces.touch[:, 0], touch_b=pieces.touch[:, 1],
-            feature_region=feature[:, 0], feature_corner=feature[:, 1], feature_convex=corners.convex[feature[:, 1]],
+            piece=pieces.label,
+            centre=centres(pieces.label, pieces.regions),
+            area_m2=area_m2[: pieces.regions],
+            start=doors.start[edges],
+            end=doors.end[edges],
+            door=edges,
+            kind=doors.kind[edges],
+            length_m=doors.length_m[edges],
+            width_m=doors.width_m[edges],
+            tilt_rad=doors.tilt_rad[edges],
+            idle_door=proposed[idle],
+            border_edge=border[:, 0],
+            border_region=border[:, 1],
+            atom_area_m2=area_m2[pieces.regions :],
+            cover_atom=pieces.cover[:, 0],
+            cover_edge=pieces.cover[:, 1],
+            touch_a=pieces.touch[:, 0],
+            touch_b=pieces.touch[:, 1],
+            feature_region=feature[:, 0],
+            feature_corner=feature[:, 1],
+            feature_convex=corners.convex[feature[:, 1]],
             feature_cell=corners.cell[feature[:, 1]],
-            vertex=vertex, vertex_region=vertex_region - 1, vertex_ring=vertex_ring, frame=simplified.frame,
+            vertex=vertex,
+            vertex_region=vertex_region - 1,
+            vertex_ring=vertex_ring,
+            frame=simplified.frame,
         )
 
     def _idle(self, pieces: Pieces, edges: int) -> Mask:
@@ -151,13 +169,15 @@ def cut(free: Mask, doors: VirtualDoors, chosen: Ints) -> Pieces:
     # Adjacency is asked of the door cells only: regions never touch each other.
     padded = np.pad(label, 1)
     row, col = np.divmod(cell, free.shape[1])
-    pairs = [np.stack([label.reshape(-1)[cell], padded[row + 1 + down, col + 1 + right]], axis=1)
-             for down, right in ((0, 1), (1, 0), (0, -1), (-1, 0))]
+    pairs = [
+        np.stack([label.reshape(-1)[cell], padded[row + 1 + down, col + 1 + right]], axis=1)
+        for down, right in ((0, 1), (1, 0), (0, -1), (-1, 0))
+    ]
     touch = np.sort(np.concatenate(pairs), axis=1)
     touch = np.unique(touch[(touch[:, 0] > 0) & (touch[:, 0] != touch[:, 1])], axis=0) - 1
-    label = label.astype(np.int32, copy=False)
-    cells = runs_of(label).cells(regions + int(atom_of_cell.max(initial=-1)) + 1)
-    return Pieces(label, regions, cells, cover, touch.astype(np.int32))
+    piece: Ints = label.astype(np.int32, copy=False)
+    cells = runs_of(piece).cells(regions + int(atom_of_cell.max(initial=-1)) + 1)
+    return Pieces(piece, regions, cells, cover, touch.astype(np.int32))
 
 
 def atoms(flat: NDArray[np.int64], door: Ints, width: int) -> tuple[NDArray[np.int64], NDArray[np.intp], Ints]:

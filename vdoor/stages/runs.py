@@ -35,7 +35,7 @@ class Runs:
         return sums.astype(np.float64, copy=False)
 
 
-def runs_of(labels: NDArray[np.int32]) -> Runs:
+def runs_of(labels: NDArray[np.integer]) -> Runs:
     """The runs of a label image (h, w)."""
     height, width = labels.shape
     flat = labels.reshape(-1)
@@ -44,6 +44,6 @@ def runs_of(labels: NDArray[np.int32]) -> Runs:
     starts[::width] = True
     begin = np.flatnonzero(starts)
     length = np.diff(np.append(begin, height * width))
-    label = flat[begin]
+    label = flat[begin].astype(np.int32, copy=False)
     begin, length, label = begin[label > 0], length[label > 0], label[label > 0]
     return Runs(label, begin // width, begin % width, length)

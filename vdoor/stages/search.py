@@ -10,8 +10,8 @@ from typing import Annotated, ClassVar, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from vdoor.errors import SettingError
 from vdoor.config import Within
+from vdoor.errors import SettingError
 from vdoor.record import Record, Spec
 from vdoor.stages.cost import Bits, Costs, MergeProblem
 from vdoor.stages.flips import FlipState
@@ -98,8 +98,10 @@ class ExhaustiveSearch:
         """The first of equally good choices wins, counting in binary; `rng` is not used."""
         del rng
         if problem.edges > self.most_edges:
-            raise SettingError(f"search.method = exhaustive: wanted at most {self.most_edges} doors, "
-                               f"found {problem.edges}; use annealing or genetic")
+            raise SettingError(
+                f"search.method = exhaustive: wanted at most {self.most_edges} doors, "
+                f"found {problem.edges}; use annealing or genetic"
+            )
         best: Generation | None = None
         for number, begin in enumerate(range(0, 2**problem.edges, self.batch)):
             choice = np.arange(begin, min(begin + self.batch, 2**problem.edges))
@@ -144,16 +146,25 @@ def summary(number: int, evaluations: int, strings: Bits, costs: Costs) -> Gener
     """One record of a population (p, r) with its costs; the first of equally good strings is the best."""
     best = int(np.argmin(costs.cost))
     return Generation(
-        number=number, evaluations=evaluations, best_cost=float(costs.cost[best]),
-        mean_cost=float(costs.cost.mean()), worst_cost=float(costs.cost.max()),
-        small_rooms=int(costs.small_rooms[best]), area_sd_m2=float(costs.area_sd_m2[best]),
-        tilt_sd_deg=float(costs.tilt_sd_deg[best]), removed=strings[best],
+        number=number,
+        evaluations=evaluations,
+        best_cost=float(costs.cost[best]),
+        mean_cost=float(costs.cost.mean()),
+        worst_cost=float(costs.cost.max()),
+        small_rooms=int(costs.small_rooms[best]),
+        area_sd_m2=float(costs.area_sd_m2[best]),
+        tilt_sd_deg=float(costs.tilt_sd_deg[best]),
+        removed=strings[best],
     )
 
 
 def with_best(generation: Generation, best: Generation) -> Generation:
     """The generation with an earlier best string in place of its own."""
     return dataclasses.replace(
-        generation, best_cost=best.best_cost, small_rooms=best.small_rooms, area_sd_m2=best.area_sd_m2,
-        tilt_sd_deg=best.tilt_sd_deg, removed=best.removed,
+        generation,
+        best_cost=best.best_cost,
+        small_rooms=best.small_rooms,
+        area_sd_m2=best.area_sd_m2,
+        tilt_sd_deg=best.tilt_sd_deg,
+        removed=best.removed,
     )

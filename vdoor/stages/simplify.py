@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
+from vdoor.config import Within
 from vdoor.errors import MapError
 from vdoor.grid import FREE, OCCUPIED, UNKNOWN, OccupancyGrid
-from vdoor.config import Within
 from vdoor.record import Frame, Record, Spec
 from vdoor.stages.runs import runs_of
 
@@ -178,8 +178,13 @@ def runs(state: Mask, near: NDArray[np.intp], longest: int, value: bool) -> NDAr
     for along, up in ((1, -width), (1, width), (width, -1), (width, 1)):
         # first cells of a run: the cell before is other, the tip side is other, the base goes on before
         at = near[flat[near] == value]
-        for offset, wanted in ((-along, not value), (up, not value), (up - along, not value),
-                               (-up, value), (-up - along, value)):
+        for offset, wanted in (
+            (-along, not value),
+            (up, not value),
+            (up - along, not value),
+            (-up, value),
+            (-up - along, value),
+        ):
             at = at[flat[at + offset] == wanted]
         for length in range(1, longest + 1):
             end = at + length * along  # one past the run

@@ -9,8 +9,8 @@ from typing import Annotated, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from vdoor.grid import FREE
 from vdoor.config import Within
+from vdoor.grid import FREE
 from vdoor.record import Frame, Record, Spec
 from vdoor.stages.contours import STEP, Contours, follow
 from vdoor.stages.simplify import SimplifiedGrid
@@ -84,9 +84,18 @@ class TraceBoundary:
         turned_left[sample[contours.turn > 0]] = True
         arc_m, length_m = arc_lengths(half, first, simplified.frame.resolution_m)
         return BoundaryPath(
-            cell=wall[keep], free_cell=contours.cell[keep], half=half, heading=contours.heading[keep].astype(np.uint8),
-            turned_left=turned_left, contour=contour, arc_m=arc_m, first=first, length_m=length_m, outer=contours.outer,
-            on_cracks=int(on_cracks), frame=simplified.frame,
+            cell=wall[keep],
+            free_cell=contours.cell[keep],
+            half=half,
+            heading=contours.heading[keep].astype(np.uint8),
+            turned_left=turned_left,
+            contour=contour,
+            arc_m=arc_m,
+            first=first,
+            length_m=length_m,
+            outer=contours.outer,
+            on_cracks=int(on_cracks),
+            frame=simplified.frame,
         )
 
 

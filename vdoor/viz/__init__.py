@@ -1,0 +1,1 @@
+"""Pictures of records: the Rerun recording and the terminal."""

@@ -1,0 +1,127 @@
+"""The doors of the final map: kept edges, and openings too narrow for the working resolution."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from vdoor.record import Frame
+from vdoor.stages.doors import KINDS
+from vdoor.stages.rooms import InitialMap, components
+from vdoor.stages.simplify import SimplifiedGrid
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int32]
+
+
+class Doors(NamedTuple):
+    """The door columns of the map."""
+
+    edge: Ints
+    start_m: Floats
+    end_m: Floats
+    kind: NDArray[np.uint8]
+    length_m: Floats
+    width_m: Floats
+    tilt_rad: Floats
+    room_a: Ints
+    room_b: Ints
+
+    def followed_by(self, other: Doors) -> Doors:
+        """Both lists, one after the other."""
+        columns: Iterator[tuple[Any, Any]] = zip(self, other, strict=True)
+        return Doors(*map(np.concatenate, columns))
+
+
+def door_rows(initial: InitialMap, rows: list[tuple[int, int, int]], number: Ints) -> Doors:
+    """The doors of rows of edge and two rooms; `number` says what each room is called."""
+    edge, a, b = np.array(rows, np.int32).reshape(-1, 3).T
+    room_a, room_b = np.sort([number[a], number[b]], axis=0)
+    real = room_a > 0
+    edge = edge[real]
+    return Doors(
+        edge,
+        initial.frame.world_from_cell(initial.start[edge]),
+        initial.frame.world_from_cell(initial.end[edge]),
+        initial.kind[edge],
+        initial.length_m[edge],
+        initial.width_m[edge],
+        initial.tilt_rad[edge],
+        room_a[real],
+        room_b[real],
+    )
+
+
+def contacts(labels: Ints) -> tuple[Floats, Ints]:
+    """Where cells of two rooms touch: middles (k, 2) as row, col, and the two rooms (k, 2), the lower first."""
+    places, pairs = [], []
+    for step in ((0, 1), (1, 0)):
+        one = labels[: labels.shape[0] - step[0], : labels.shape[1] - step[1]]
+        other = labels[step[0] :, step[1] :]
+        row, col = np.nonzero((one != other) & (one > 0) & (other > 0))
+        places.append(np.stack([row, col], axis=1) + np.array(step) / 2)
+        pairs.append(np.sort(np.stack([one[row, col], other[row, col]], axis=1), axis=1))
+    return np.concatenate(places), np.concatenate(pairs)
+
+
+def narrow_passages(labels: Ints, doors: Doors, simplified: SimplifiedGrid, frame: Frame) -> Doors:
+    """Doors for contacts that no door explains: openings of the input too narrow for the working resolution."""
+    place, pair = contacts(labels)
+    cell_m = simplified.frame.resolution_m
+    place_m = frame.world_from_cell(place)
+    explained = np.zeros(len(place), np.bool_)
+    tree = cKDTree(place_m)
+    for row in range(len(doors.edge)):
+        middle_m = (doors.start_m[row] + doors.end_m[row]) / 2
+        near = np.array(tree.query_ball_point(middle_m, doors.length_m[row] / 2 + 2 * cell_m), np.intp)
+        near = near[(pair[near] == [doors.room_a[row], doors.room_b[row]]).all(axis=1)]
+        explained[near[_to_segment_m(place_m[near], doors.start_m[row], doors.end_m[row]) <= cell_m]] = True
+    start, end, rooms = [], [], []
+    for contact in _pieces(place, pair):
+        if not explained[contact].any():
+            one = _farthest(place[contact], place[contact[0]])
+            start.append(one)
+            end.append(_farthest(place[contact], one))
+            rooms.append(pair[contact[0]])
+    count = len(rooms)
+    start_cell, end_cell = np.array(start).reshape(-1, 2), np.array(end).reshape(-1, 2)
+    span = np.abs(end_cell - start_cell)
+    gap_m = (np.hypot(*span.T) + 1) * frame.resolution_m
+    joined = np.array(rooms, np.int32).reshape(-1, 2)
+    return Doors(
+        np.full(count, -1, np.int32),
+        frame.world_from_cell(start_cell),
+        frame.world_from_cell(end_cell),
+        np.full(count, KINDS.index("passage"), np.uint8),
+        gap_m,
+        gap_m,
+        np.arctan2(span.min(axis=1), span.max(axis=1)),
+        joined[:, 0],
+        joined[:, 1],
+    )
+
+
+def _farthest(place: Floats, point: Floats) -> Floats:
+    """The place (2,) of (k, 2) that is farthest from a point."""
+    return np.asarray(place[np.argmax(np.hypot(*(place - point).T))])
+
+
+def _to_segment_m(point_m: Floats, start_m: Floats, end_m: Floats) -> Floats:
+    """Distance (k,) of points (k, 2) to a segment."""
+    along = end_m - start_m
+    share = np.clip((point_m - start_m) @ along / max(float(along @ along), 1e-12), 0, 1)
+    return np.asarray(np.hypot(*(point_m - start_m - share[:, None] * along).T))
+
+
+def _pieces(place: Floats, pair: Ints) -> list[NDArray[np.intp]]:
+    """Indices of contacts between the same two rooms that hang together, piece by piece."""
+    if not len(place):
+        return []
+    links = cKDTree(place).query_pairs(1.0, output_type="ndarray")
+    links = links[(pair[links[:, 0]] == pair[links[:, 1]]).all(axis=1)]
+    piece = components(links.T, len(place))
+    return np.split(np.argsort(piece, kind="stable"), np.cumsum(np.bincount(piece))[:-1])

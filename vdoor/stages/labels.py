@@ -1,0 +1,52 @@
+"""Room labels at the input's resolution."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vdoor.stages.runs import runs_of
+
+Ints = NDArray[np.int32]
+Mask = NDArray[np.bool_]
+
+
+def at_input(working: Ints, factor: int, free: Mask) -> Ints:
+    """Labels of the working grid at the input's resolution, on its free cells."""
+    fine = working.repeat(factor, axis=0).repeat(factor, axis=1) if factor > 1 else working
+    return np.where(free, fine[: free.shape[0], : free.shape[1]], 0).astype(np.int32)
+
+
+def flooded(labels: Ints, free: Mask) -> Ints:
+    """Every free cell that a label reaches through free cells takes the nearest one by walking, the lower at a tie."""
+    width = labels.shape[1] + 2
+    flat = np.pad(labels, 1).reshape(-1)
+    todo = np.pad(free, 1).reshape(-1) & (flat == 0)
+    steps = np.array([-width, -1, 1, width])
+    pending = np.flatnonzero(todo)
+    edge = (pending[:, None] + steps).ravel()
+    front = np.unique(edge[flat[edge] > 0])
+    while len(front):
+        target = (front[:, None] + steps).ravel()
+        label = np.repeat(flat[front], len(steps))
+        fresh = todo[target]
+        target, label = target[fresh], label[fresh]
+        order = np.lexsort((label, target))
+        target, label = target[order], label[order]
+        first = np.append(True, target[1:] != target[:-1])[: len(target)]
+        front = target[first]
+        flat[front] = label[first]
+        todo[front] = False
+    return flat.reshape(labels.shape[0] + 2, width)[1:-1, 1:-1].copy()
+
+
+def numbered(labels: Ints, rooms: int) -> tuple[Ints, Ints]:
+    """Labels renumbered 1, 2, ... in reading order of their first cells; and the new number (rooms + 1,) of each old.
+
+    Rooms without a free cell of the input (they lay on removed islands) get 0.
+    """
+    present = runs_of(labels).label
+    order = present[np.sort(np.unique(present, return_index=True)[1])]
+    number = np.zeros(rooms + 1, np.int32)
+    number[order] = np.arange(1, len(order) + 1)
+    return number[labels], number
