@@ -49,7 +49,7 @@ class Outputs:
 
             yield McapSink(partial_name(self.mcap), info)
         if self.save or self.connect or self.serve or self.spawn:
-            from vdoor.viz.rerun import RerunSink  # noqa: PLC0415  # takes half a second
+            from vdoor.viz.rerun.sink import RerunSink  # noqa: PLC0415  # takes half a second
 
             if self.save is not None:
                 yield RerunSink.to_file(partial_name(self.save), info)

@@ -69,7 +69,7 @@ class FindCorners:
     """Keep the sharpest candidates of each kind within a window along the path."""
 
     window_m: Annotated[float, Within(0, 10)] = 0.25
-    """Window to either side where obstacle cells are sampled (paper)."""
+    """Window to either side where obstacle cells are sampled (paper), but never less than 1.42 cells."""
     crack_window_m: Annotated[float, Within(0, 10)] = 0.12
     """The same where cracks are sampled, but never less than 1.2 cells."""
 
@@ -80,7 +80,8 @@ class FindCorners:
         both cells are corners; a choice between them would not mirror with the map.
         """
         cell_m = path.frame.resolution_m
-        window_m = max(self.crack_window_m, 1.2 * cell_m) if path.on_cracks else self.window_m
+        # Never less than the longest step, or the two samples of a square corner would not see each other.
+        window_m = max(self.crack_window_m, 1.2 * cell_m) if path.on_cracks else max(self.window_m, 1.42 * cell_m)
         peak = peaks(path, curvature, candidates, window_m)
         sample, quarter = middles(path, candidates.sample[peak], candidates.convex[peak], window_m)
         order = np.argsort(sample, kind="stable")
@@ -169,7 +170,7 @@ def middles(
         [
             np.where(two[:, None], 2 * path.half[sample[low]], quarter),
             2 * path.half[sample[high[two]]],
-            2 * path.half[sample[pillar]],
+            4 * path.cell[sample[pillar]] + 2,  # its cracks are all alike, so its middle
         ]
     )
     return sample[chosen], places.astype(np.int32)

@@ -1,0 +1,117 @@
+"""How topological maps and the search between them are drawn: over the map, and as graphs."""
+
+from __future__ import annotations
+
+import numpy as np
+import rerun as rr
+
+from vdoor.stages.rooms import InitialMap
+from vdoor.stages.search import Generation
+from vdoor.topology import TopologicalMap
+from vdoor.viz.rerun import style
+from vdoor.viz.rerun.scene import Scene, classes, pixels, strips
+
+TERMS = {"small_rooms": "NumSmallNode", "area_sd_m2": "AreaSD, m2", "tilt_sd_deg": "DegSD, degrees"}
+COSTS = {"best": style.BEST, "mean": style.MEAN, "worst": style.WORST}
+
+
+def draw_initial(scene: Scene, initial: InitialMap) -> None:
+    """Regions, and rooms joined to the doors they border; a door may border more than two."""
+    scene.remembered[initial.topic] = initial
+    regions = len(initial.area_m2)
+    shown = np.where(initial.piece <= regions, initial.piece, 0).astype(np.uint16)
+    scene.keep("map/regions", classes(room_classes(regions)))
+    scene.raster("map/regions", shown, order=2.0, opacity=0.6)
+    middle = (initial.start + initial.end) / 2
+    links = strips(initial.centre[initial.border_region], middle[initial.border_edge])
+    scene.log("map/initial/links", rr.LineStrips2D(links, colors=style.LINK, radii=0.05, draw_order=32.0))
+    nodes = [f"room {region}: {area_m2:.2f} m2" for region, area_m2 in enumerate(initial.area_m2)]
+    doors = [f"door {door}: {width_m:.2f} m" for door, width_m in zip(initial.door, initial.width_m, strict=True)]
+    rooms = rr.Points2D(
+        pixels(initial.centre), colors=style.NODE, radii=0.4, labels=nodes, show_labels=False, draw_order=34.0
+    )
+    scene.log("map/initial/rooms", rooms)
+    middles = rr.Points2D(
+        pixels(middle), colors=style.EDGE_MIDDLE, radii=0.2, labels=doors, show_labels=False, draw_order=33.0
+    )
+    scene.log("map/initial/doors", middles)
+
+    names = [f"r{region}" for region in range(regions)]
+    door_names = [f"d{door}" for door in initial.door]
+    place = np.concatenate([pixels(initial.centre), pixels(middle)]) * spread(initial.frame.width)
+    colours = [style.NODE] * regions + [style.EDGE_MIDDLE] * len(door_names)
+    sizes = [6.0] * regions + [3.0] * len(door_names)
+    links_by_name = [
+        (names[region], door_names[edge])
+        for edge, region in zip(initial.border_edge, initial.border_region, strict=True)
+    ]
+    scene.log(
+        "graph/initial",
+        rr.GraphNodes(
+            [*names, *door_names], positions=place, colors=colours, radii=sizes, labels=[*names, *door_names]
+        ),
+        rr.GraphEdges(links_by_name),
+    )
+
+
+def draw_generation(scene: Scene, generation: Generation) -> None:
+    """Cost and its terms, and the doors that the best string keeps."""
+    scene.at(generation=generation.number)
+    for name, colour in COSTS.items():
+        scene.log(f"plots/search/{name}", rr.Scalars(getattr(generation, f"{name}_cost")))
+        if generation.number == 0:
+            scene.keep(f"plots/search/{name}", rr.SeriesLines(colors=colour, names=f"{name} cost"))
+    for name, label in TERMS.items():
+        scene.log(f"plots/terms/{name}", rr.Scalars(float(getattr(generation, name))))
+        if generation.number == 0:
+            scene.keep(f"plots/terms/{name}", rr.SeriesLines(names=label))
+    initial: InitialMap = scene.remembered["initial_map"]
+    kept = ~generation.removed
+    for name, chosen, colour, radius in (("kept", kept, style.KEPT, 0.2), ("removed", ~kept, style.REMOVED, 0.06)):
+        lines = strips(initial.start[chosen], initial.end[chosen])
+        scene.log(f"map/search/{name}", rr.LineStrips2D(lines, colors=colour, radii=radius, draw_order=36.0))
+
+
+def draw_map(scene: Scene, topology: TopologicalMap) -> None:
+    """Rooms with their doors at the input's resolution, and the graph."""
+    frame, rooms = topology.frame, len(topology.area_m2)
+    scene.keep("rooms/labels", classes(room_classes(rooms)))
+    scene.raster("rooms/labels", topology.labels.astype(np.uint16), order=1.0, opacity=0.85)
+    start, end = frame.cell_from_world(topology.start_m), frame.cell_from_world(topology.end_m)
+    middle = (start + end) / 2
+    size = max(frame.height, frame.width) / 400
+    widths = [f"door {row + 1}: {width_m:.2f} m" for row, width_m in enumerate(topology.width_m)]
+    doors = rr.LineStrips2D(strips(start, end), colors=style.KEPT, radii=size, labels=widths, show_labels=False,
+                            draw_order=20.0)
+    scene.log("rooms/doors", doors)
+    ends = np.concatenate([topology.room_a, topology.room_b]) - 1
+    links = strips(topology.centre[ends], np.concatenate([middle, middle]))
+    scene.log("rooms/graph/links", rr.LineStrips2D(links, colors=style.LINK, radii=size / 3, draw_order=21.0))
+    labels = [f"room {room + 1}: {area_m2:.1f} m2" for room, area_m2 in enumerate(topology.area_m2)]
+    nodes = rr.Points2D(pixels(topology.centre), colors=style.NODE, radii=size * 2, labels=labels, draw_order=22.0)
+    scene.log("rooms/graph/nodes", nodes)
+
+    names = [str(room + 1) for room in range(rooms)]
+    joined = [(names[a - 1], names[b - 1]) for a, b in zip(topology.room_a, topology.room_b, strict=True)]
+    place = pixels(topology.centre) * spread(frame.width)
+    scene.log(
+        "graph/final",
+        rr.GraphNodes(
+            names,
+            positions=place,
+            radii=8.0,
+            labels=[f"room {name}" for name in names],
+            colors=[style.room(room + 1) for room in range(rooms)],
+        ),
+        rr.GraphEdges(joined),
+    )
+
+
+def room_classes(count: int) -> dict[int, tuple[str, tuple[int, ...]]]:
+    """Colour and name of labels 0 to `count`."""
+    return {0: ("no room", style.CLEAR)} | {room: (f"room {room}", style.room(room)) for room in range(1, count + 1)}
+
+
+def spread(width: int) -> float:
+    """Scale that brings a map to about a thousand points, so that the labels of its graph do not collide."""
+    return 1000.0 / max(width, 1)

@@ -1,0 +1,82 @@
+"""A Rerun stream that knows where in the run it is: every row carries the global step and stage."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import rerun as rr
+from numpy.typing import NDArray
+
+LARGEST_SIDE_PX = 16_384
+"""Textures end here; larger rasters are drawn reduced."""
+SCRUBBED = ("sample", "corner", "generation")
+"""Timelines beside `step`. What does not move along one of them stands at its 0, so that it is seen there as well."""
+
+
+class Scene:
+    """Where the records of one run are drawn, one after the other."""
+
+    def __init__(self, stream: rr.RecordingStream) -> None:
+        self.stream = stream
+        self.step = 0
+        self.remembered: dict[str, Any] = {}
+        """What later records are drawn on, by topic."""
+
+    def begin(self, step: int, topic: str) -> None:
+        """Go to the next record."""
+        self.step = step
+        self.stream.reset_time()
+        self.at()
+        self.log("state/stage", rr.StateChange(state=topic))
+
+    def at(self, **places: int) -> None:
+        """Set the time of what is logged next: the step, and a place on the timelines named."""
+        self.stream.set_time("step", sequence=self.step)
+        for timeline in SCRUBBED:
+            self.stream.set_time(timeline, sequence=places.get(timeline, 0))
+
+    def log(self, entity: str, *what: Any) -> None:
+        """Log at the current time."""
+        self.stream.log(entity, what[0], *what[1:])
+
+    def keep(self, entity: str, what: Any) -> None:
+        """Log for all times."""
+        self.stream.log(entity, what, static=True)
+
+    def columns(self, entity: str, timeline: str, places: NDArray[Any], columns: Iterable[Any]) -> None:
+        """Log one row for each place on a timeline, all at this step."""
+        zeros = np.zeros(len(places), np.int64)
+        sequences = {name: zeros for name in SCRUBBED} | {"step": zeros + self.step, timeline: places}
+        indexes = [rr.TimeColumn(name, sequence=sequence) for name, sequence in sequences.items()]
+        self.stream.send_columns(entity, indexes=indexes, columns=columns)
+
+    def raster(self, entity: str, classes: NDArray[Any], *, order: float = 0.0, opacity: float = 1.0) -> None:
+        """A raster of class numbers (h, w), reduced where it is larger than a texture can be."""
+        reduce_by = -(-max(classes.shape) // LARGEST_SIDE_PX)
+        if reduce_by > 1:
+            classes = classes[::reduce_by, ::reduce_by]
+            self.say(f"{entity} is drawn at 1 : {reduce_by}, pictures end at {LARGEST_SIDE_PX} cells a side")
+        self.log(entity, rr.SegmentationImage(classes, draw_order=order, opacity=opacity))
+
+    def say(self, text: str) -> None:
+        """A line in the log."""
+        self.log("log", rr.TextLog(text))
+
+
+def classes(names: Mapping[int, tuple[str, Sequence[int]]]) -> rr.AnnotationContext:
+    """Names and colours of class numbers."""
+    return rr.AnnotationContext(
+        [rr.AnnotationInfo(id=key, label=label, color=colour) for key, (label, colour) in names.items()]
+    )
+
+
+def pixels(cells: NDArray[Any]) -> NDArray[np.float64]:
+    """Cells (k, 2) as row, col to x, y of a picture; whole numbers are cell centres."""
+    return np.asarray(cells, np.float64)[:, ::-1] + 0.5
+
+
+def strips(start: NDArray[Any], end: NDArray[Any]) -> NDArray[np.float64]:
+    """Segments (k, 2, 2) between cells."""
+    return np.stack([pixels(start), pixels(end)], axis=1)

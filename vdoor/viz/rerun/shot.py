@@ -1,0 +1,121 @@
+"""Pictures of a recording on a machine without a screen, by Rerun's headless viewer."""
+
+from __future__ import annotations
+
+import os
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+from rerun.experimental import ViewerClient
+
+from vdoor.errors import VdoorError
+from vdoor.viz.rerun.blueprint import TABS
+from vdoor.viz.rerun.sink import HOST, listening
+
+START_S, LOAD_S, STEADY_S = 30.0, 120.0, 60.0
+NO_RENDERER = (
+    "pictures: no software renderer (Vulkan) was found; on Debian or Ubuntu: apt install mesa-vulkan-drivers libvulkan1"
+)
+
+
+@dataclass(frozen=True)
+class Shot:
+    """One picture."""
+
+    tab: str
+    png: bytes
+    problems: tuple[str, ...]
+    """What views reported instead of drawing."""
+
+
+def shots(recording: Path, *, tabs: tuple[str, ...] = TABS, size: tuple[int, int] = (1600, 1000)) -> Iterator[Shot]:
+    """A picture of each tab at the end of the recording; VdoorError where pictures cannot be made."""
+    with headless(recording, size) as client:
+        current = client.get_state().recordings[0]
+        last = next((line.end for line in current.timelines if line.name == "step"), 0)
+        client.set_time("step", sequence=last, play_state="paused")
+        for tab in tabs:
+            open_tab(client, tab)
+            png = steady(client)
+            reports = [f"{view.name}: {report.summary}" for view in client.get_state().views for report in view.reports]
+            yield Shot(tab, png, tuple(reports))
+
+
+def open_tab(client: ViewerClient, tab: str) -> None:
+    """Bring a tab of the recording's blueprint to the front."""
+    layout = client.get_blueprint(of="recording").blueprint
+    root = "/container/" + layout["/viewport"]["ViewportBlueprint"]["root_container"]
+    containers = {path: part["ContainerBlueprint"] for path, part in layout.items() if "ContainerBlueprint" in part}
+    wanted = next((path for path, part in containers.items() if part.get("display_name") == tab), None)
+    if wanted is None:
+        raise VdoorError(f"pictures: the recording's blueprint has no tab {tab!r}")
+    layout[root]["ContainerBlueprint"]["active_tab"] = wanted
+    client.set_blueprint(layout, of="recording")
+
+
+@contextmanager
+def headless(recording: Path, size: tuple[int, int]) -> Iterator[ViewerClient]:
+    """A viewer without a window, once it has loaded the recording."""
+    port = free_port()
+    program = Path(sys.executable).with_name("rerun")
+    words = ["--headless", "--bind", HOST, "--port", str(port), "--window-size", f"{size[0]}x{size[1]}"]
+    process = subprocess.Popen(
+        [program, *words, "--", recording],
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+        env=os.environ | {"CI": "1"},  # no analytics
+    )
+    try:
+        until = time.monotonic() + START_S
+        while not listening(HOST, port):
+            if process.poll() is not None or time.monotonic() > until:
+                raise VdoorError(NO_RENDERER)
+            time.sleep(0.1)
+        client = ViewerClient.connect(f"rerun+http://{HOST}:{port}/proxy")
+        wait_until_loaded(client, process, recording)
+        yield client
+    finally:
+        process.terminate()
+        process.wait()
+
+
+def wait_until_loaded(client: ViewerClient, process: subprocess.Popen[bytes], recording: Path) -> None:
+    """Return when the viewer has read the whole recording."""
+    until = time.monotonic() + LOAD_S
+    while time.monotonic() < until:
+        if process.poll() is not None:
+            raise VdoorError(NO_RENDERER)
+        try:
+            state = client.get_state()
+        except (RuntimeError, ConnectionError, ValueError):
+            state = None  # it listens before it answers
+        if state and state.recordings and not state.loading:
+            return
+        time.sleep(0.1)
+    raise VdoorError(f"pictures: the viewer did not load the recording within {LOAD_S:.0f} s: {recording}")
+
+
+def steady(client: ViewerClient) -> bytes:
+    """The picture once two in a row are equal."""
+    until = time.monotonic() + STEADY_S
+    before = b""
+    while time.monotonic() < until:
+        png = client.take_screenshot()
+        if png == before:
+            return png
+        before = png
+        time.sleep(0.2)
+    return before
+
+
+def free_port() -> int:
+    """A port nobody listens on."""
+    with socket.socket() as probe:
+        probe.bind((HOST, 0))
+        return int(probe.getsockname()[1])

@@ -1,0 +1,180 @@
+"""The Rerun recording: a sink that draws every record as it comes, into a file or a live viewer."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from urllib.parse import urlsplit
+
+import rerun as rr
+
+from vdoor.emit import RunInfo
+from vdoor.errors import VdoorError
+from vdoor.record import Record
+from vdoor.viz.rerun.blueprint import DESCRIPTION, blueprint
+from vdoor.viz.rerun.draw import DRAW, draw_any
+from vdoor.viz.rerun.scene import Scene
+
+APPLICATION = "vdoor"
+HOST = "127.0.0.1"
+GRPC_PORT, WEB_PORT = 9876, 9090
+PATIENCE_S = 10.0
+SWITCHED_OFF = ("0", "false", "off", "no")
+
+
+class RerunSink:
+    """Draws records on a Rerun stream; made by `to_file`, `connect`, `serve` or `spawn`."""
+
+    def __init__(
+        self,
+        stream: rr.RecordingStream,
+        info: RunInfo,
+        *,
+        server: subprocess.Popen[bytes] | None = None,
+        path: Path | None = None,
+    ) -> None:
+        self.path = path
+        self._stream: rr.RecordingStream | None = stream
+        self._server = server
+        self._scene = Scene(stream)
+        self._scene.remembered["threshold_deg"] = info.settings.get("candidates", {}).get("angle_deg", 155.0)
+        self._scene.keep("description", rr.TextDocument(described(info), media_type="text/markdown"))
+
+    @classmethod
+    def to_file(cls, path: Path, info: RunInfo) -> RerunSink:
+        """Draw into a file, the blueprint with it; VdoorError where it cannot be written."""
+        stream = new_stream(info)
+        with errors_at(path):
+            path.touch()
+            stream.save(path, default_blueprint=blueprint())
+            sink = cls(stream, info, path=path)
+            stream.flush()
+            if not path.stat().st_size:
+                raise VdoorError(f"recording: nothing was written, wanted a Rerun recording: {path}")
+        return sink
+
+    @classmethod
+    def connect(cls, url: str, info: RunInfo) -> RerunSink:
+        """Draw in a viewer that runs; `url` as host:port or rerun+http://host:port/proxy."""
+        parts = urlsplit(url if "//" in url else f"//{url}")
+        try:
+            host, port = parts.hostname or HOST, parts.port or GRPC_PORT
+        except ValueError as error:
+            raise VdoorError(f"--connect: wanted HOST:PORT, found {url!r}") from error
+        if not listening(host, port):
+            raise VdoorError(f"--connect: wanted a Rerun viewer listening, found none: {host}:{port}")
+        stream = new_stream(info)
+        stream.connect_grpc(f"rerun+http://{host}:{port}/proxy", default_blueprint=blueprint())
+        return cls(stream, info)
+
+    @classmethod
+    def spawn(cls, info: RunInfo) -> RerunSink:
+        """Open a viewer and draw in it; it stays open."""
+        start_program("--port", str(GRPC_PORT), port=GRPC_PORT)
+        return cls.connect(f"{HOST}:{GRPC_PORT}", info)
+
+    @classmethod
+    def serve(cls, info: RunInfo) -> RerunSink:
+        """Draw in a web viewer on this machine; `close` waits until it is interrupted."""
+        server = start_program(
+            "--serve-web", "--port", str(GRPC_PORT), "--web-viewer-port", str(WEB_PORT), port=GRPC_PORT
+        )
+        sink = cls.connect(f"{HOST}:{GRPC_PORT}", info)
+        sink._server = server
+        return sink
+
+    def write(self, step: int, record: Record) -> None:
+        """Draw one record; in a file it survives a kill from here on."""
+        if self._stream is None:
+            raise VdoorError("recording: is closed")
+        with errors_at(self.path):
+            self._scene.begin(step, record.topic)
+            DRAW.get(type(record), draw_any)(self._scene, record)
+            self._stream.flush()
+
+    def close(self) -> None:
+        """Write the footer; a server goes on until Ctrl-C."""
+        if self._stream is None:
+            return
+        with errors_at(self.path):
+            self._stream.flush()
+            self._stream.disconnect()
+        self._stream = None
+        if self._server is not None:
+            sys.stderr.write(
+                f"vdoor: open http://{HOST}:{WEB_PORT}?url=rerun%2Bhttp://{HOST}:{GRPC_PORT}/proxy "
+                "in a browser; Ctrl-C ends it\n"
+            )
+            try:
+                self._server.wait()
+            finally:
+                self._server.terminate()
+
+
+def new_stream(info: RunInfo) -> rr.RecordingStream:
+    """A stream whose id follows from the run, so that equal runs have equal ids."""
+    if os.environ.get("RERUN", "").lower() in SWITCHED_OFF:
+        raise VdoorError(f"recording: Rerun is switched off by RERUN={os.environ['RERUN']} in the environment")
+    rr.set_strict_mode(True)
+    return rr.RecordingStream(APPLICATION, recording_id=recording_id(info), send_properties=False)
+
+
+def recording_id(info: RunInfo) -> str:
+    """Thirty-two hex digits from the map's bytes, the settings and the seed."""
+    digest = hashlib.sha256(json.dumps([info.version, info.preset, info.seed, info.settings], sort_keys=True).encode())
+    for name, data in info.source.files:
+        digest.update(name.encode() + b"\0" + data)
+    return digest.hexdigest()[:32]
+
+
+def described(info: RunInfo) -> str:
+    """What the views show, and what was run."""
+    files = ", ".join(name for name, _ in info.source.files) or "an array"
+    return f"{DESCRIPTION}\nvdoor {info.version}, preset `{info.preset}`, seed {info.seed}, map: {files}\n"
+
+
+@contextmanager
+def errors_at(path: Path | None) -> Iterator[None]:
+    """Turn what goes wrong with the file into one line that names it."""
+    try:
+        yield
+    except (OSError, RuntimeError) as error:
+        reason = getattr(error, "strerror", None) or str(error).splitlines()[0]
+        raise VdoorError(f"recording: cannot be written ({reason}): {path or 'live viewer'}") from error
+
+
+def listening(host: str, port: int) -> bool:
+    """Whether somebody takes connections there."""
+    try:
+        with socket.create_connection((host, port), timeout=2.0):
+            return True
+    except OSError:
+        return False
+
+
+def start_program(*words: str, port: int) -> subprocess.Popen[bytes]:
+    """The `rerun` program, bound to this machine, once it listens."""
+    if listening(HOST, port):
+        raise VdoorError(f"viewer: port {port} of {HOST} is taken; use --connect {HOST}:{port} if that is a viewer")
+    program = Path(sys.executable).with_name("rerun")
+    process = subprocess.Popen(
+        [program, "--bind", HOST, *words], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True
+    )
+    until = time.monotonic() + PATIENCE_S
+    while not listening(HOST, port):
+        if process.poll() is not None or time.monotonic() > until:
+            process.terminate()
+            raise VdoorError(
+                "viewer: the program `rerun` did not start; on a machine without a screen use --save, "
+                "or --serve and a browser"
+            )
+        time.sleep(0.1)
+    return process

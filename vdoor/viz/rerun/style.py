@@ -1,0 +1,52 @@
+"""Colours by name, the same in every view. Corners and doors have the colours of the paper's figures."""
+
+from __future__ import annotations
+
+import colorsys
+
+Colour = tuple[int, int, int]
+Glass = tuple[int, int, int, int]
+
+FREE: Colour = (238, 238, 232)
+UNKNOWN: Colour = (168, 172, 178)
+OCCUPIED: Colour = (38, 40, 46)
+BETWEEN: Colour = (120, 122, 128)
+
+UNREACHABLE: Glass = (196, 128, 200, 200)
+JUT: Glass = (240, 120, 40, 255)
+NOTCH: Glass = (40, 170, 200, 255)
+ISLAND: Glass = (220, 190, 40, 230)
+CLEAR: Glass = (0, 0, 0, 0)
+
+BOUNDARY: Colour = (226, 178, 20)
+WALKER: Colour = (214, 50, 60)
+FORWARD: Colour = (214, 50, 60)
+BACKWARD: Colour = (120, 70, 200)
+CONVEX: Colour = (36, 92, 230)
+CONCAVE: Colour = (20, 150, 70)
+THRESHOLD: Colour = (214, 50, 60)
+
+DOOR: Colour = (36, 92, 230)
+KEPT: Colour = (214, 50, 60)
+REMOVED: Colour = (150, 160, 190)
+REJECTED: dict[str, Colour] = {
+    "blocked": (200, 120, 40),
+    "same wall": (150, 150, 120),
+    "no gap": (120, 120, 120),
+    "duplicate": (120, 170, 190),
+}
+NODE: Colour = (236, 196, 30)
+EDGE_MIDDLE: Colour = (214, 50, 60)
+LINK: Colour = (200, 80, 80)
+
+BEST: Colour = (20, 150, 70)
+MEAN: Colour = (36, 92, 230)
+WORST: Colour = (150, 150, 150)
+
+GOLDEN_RATIO = 0.61803398875
+
+
+def room(number: int) -> Colour:
+    """A light colour for a room; neighbouring numbers are far apart in hue."""
+    red, green, blue = colorsys.hls_to_rgb(number * GOLDEN_RATIO % 1.0, 0.72 if number % 2 else 0.62, 0.62)
+    return round(red * 255), round(green * 255), round(blue * 255)
