@@ -27,7 +27,12 @@ VDOOR = Path(sys.executable).parent / "vdoor"
 
 def call(*words: str | Path, code: int = 0, env: dict[str, str] | None = None) -> subprocess.CompletedProcess[str]:
     done = subprocess.run(
-        [VDOOR, *map(str, words)], capture_output=True, text=True, timeout=120, check=False, env=os.environ | (env or {})
+        [VDOOR, *map(str, words)],
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+        env=os.environ | (env or {}),
     )
     assert done.returncode == code, done.stderr
     assert "Traceback" not in done.stderr

@@ -26,6 +26,8 @@ MAY_IMPORT = {
     "recording": {"errors", "files", "record", "grid", "emit", "hold"},
     "viz": {"errors", "files", "record", "grid", "emit", "stages", "topology", "recording"},
     "synth": {"errors", "files", "record", "grid"},
+    "history": {"errors", "record", "grid", "emit", "stages", "topology", "recording"},
+    "why": {"errors", "history", "record", "grid", "pipeline", "stages", "topology", "recording"},
     "outputs": {"errors", "say", "files", "record", "emit", "recording", "viz"},
     "study": {"pipeline", "stages", "synth"},
     "benchmark": {"emit", "grid", "outputs", "pipeline", "stages", "synth"},

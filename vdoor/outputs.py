@@ -19,12 +19,11 @@ from vdoor.say import say
 QUIET_S = 1.0
 
 
-class Interrupted(KeyboardInterrupt):
-    """Ctrl-C or SIGTERM."""
+class Interrupted(SystemExit):
+    """Ctrl-C or SIGTERM; the exit code is the shell's for that signal."""
 
     def __init__(self, number: int) -> None:
-        super().__init__()
-        self.exit_code = 128 + number
+        super().__init__(128 + number)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -110,8 +110,9 @@ def initial_map() -> rrb.Container:
 def search() -> rrb.Container:
     """Cost by generation, and the doors kept."""
     kept = flat("Doors kept by the best string", WORKING, "map/search/**")
-    terms = rrb.TimeSeriesView(origin="plots/terms", name="Terms of eq. 7 (best string)",
-                               plot_legend=rrb.Corner2D.RightTop)
+    terms = rrb.TimeSeriesView(
+        origin="plots/terms", name="Terms of eq. 7 (best string)", plot_legend=rrb.Corner2D.RightTop
+    )
     return rrb.Horizontal(kept, rrb.Vertical(cost(), terms), name="Search")
 
 
@@ -134,7 +135,9 @@ def curve() -> rrb.Spatial2DView:
 
 def cost() -> rrb.TimeSeriesView:
     """Best, mean and worst cost."""
-    return rrb.TimeSeriesView(origin="plots/search", name="Cost by generation (eq. 7)", plot_legend=rrb.Corner2D.RightTop)
+    return rrb.TimeSeriesView(
+        origin="plots/search", name="Cost by generation (eq. 7)", plot_legend=rrb.Corner2D.RightTop
+    )
 
 
 def stages() -> rrb.StateTimelineView:

@@ -32,8 +32,13 @@ def draw_curve(scene: Scene, shown: NDArray[np.int64], angle_deg: NDArray[np.flo
     rows = [HEIGHT * (1 - mark / 180) for mark in MARKS_DEG]
     grid = [[(0.0, row), (WIDTH, row)] for row in rows]
     scene.keep("curve/scale/lines", rr.LineStrips2D(grid, colors=style.BETWEEN, radii=0.3, draw_order=0.0))
-    names = rr.Points2D([(-14.0, row) for row in rows], labels=[f"{mark}" for mark in MARKS_DEG], show_labels=True,
-                        colors=style.UNKNOWN, radii=1.0)
+    names = rr.Points2D(
+        [(-14.0, row) for row in rows],
+        labels=[f"{mark}" for mark in MARKS_DEG],
+        show_labels=True,
+        colors=style.UNKNOWN,
+        radii=1.0,
+    )
     scene.keep("curve/scale/degrees", names)
 
 
@@ -42,10 +47,13 @@ def draw_threshold(scene: Scene, candidates: Candidates, limit_deg: float, *, sa
     row = HEIGHT * (1 - limit_deg / 180)
     line = [[(0.0, row), (WIDTH, row)]]
     scene.log("curve/threshold", rr.LineStrips2D(line, colors=style.THRESHOLD, radii=1.0, draw_order=3.0))
-    label = rr.Points2D([(WIDTH + 20, row)], labels=[f"{limit_deg:g}"], show_labels=True, colors=style.THRESHOLD,
-                        radii=1.0)
+    label = rr.Points2D(
+        [(WIDTH + 20, row)], labels=[f"{limit_deg:g}"], show_labels=True, colors=style.THRESHOLD, radii=1.0
+    )
     scene.log("curve/threshold/degrees", label)
     points = place(candidates.sample, candidates.angle_rad * (180 / math.pi), samples)
-    for kind, own, colour in (("convex", candidates.convex, style.CONVEX),
-                              ("concave", ~candidates.convex, style.CONCAVE)):
+    for kind, own, colour in (
+        ("convex", candidates.convex, style.CONVEX),
+        ("concave", ~candidates.convex, style.CONCAVE),
+    ):
         scene.log(f"curve/{kind}", rr.Points2D(points[own], colors=colour, radii=3.0, draw_order=4.0))

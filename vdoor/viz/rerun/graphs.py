@@ -81,8 +81,9 @@ def draw_map(scene: Scene, topology: TopologicalMap) -> None:
     middle = (start + end) / 2
     size = max(frame.height, frame.width) / 400
     widths = [f"door {row + 1}: {width_m:.2f} m" for row, width_m in enumerate(topology.width_m)]
-    doors = rr.LineStrips2D(strips(start, end), colors=style.KEPT, radii=size, labels=widths, show_labels=False,
-                            draw_order=20.0)
+    doors = rr.LineStrips2D(
+        strips(start, end), colors=style.KEPT, radii=size, labels=widths, show_labels=False, draw_order=20.0
+    )
     scene.log("rooms/doors", doors)
     ends = np.concatenate([topology.room_a, topology.room_b]) - 1
     links = strips(topology.centre[ends], np.concatenate([middle, middle]))

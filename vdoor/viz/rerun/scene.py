@@ -48,7 +48,7 @@ class Scene:
     def columns(self, entity: str, timeline: str, places: NDArray[Any], columns: Iterable[Any]) -> None:
         """Log one row for each place on a timeline, all at this step."""
         zeros = np.zeros(len(places), np.int64)
-        sequences = {name: zeros for name in SCRUBBED} | {"step": zeros + self.step, timeline: places}
+        sequences = dict.fromkeys(SCRUBBED, zeros) | {"step": zeros + self.step, timeline: places}
         indexes = [rr.TimeColumn(name, sequence=sequence) for name, sequence in sequences.items()]
         self.stream.send_columns(entity, indexes=indexes, columns=columns)
 

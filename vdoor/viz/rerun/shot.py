@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import socket
 import subprocess
-import sys
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -16,7 +15,7 @@ from rerun.experimental import ViewerClient
 
 from vdoor.errors import VdoorError
 from vdoor.viz.rerun.blueprint import TABS
-from vdoor.viz.rerun.sink import HOST, listening
+from vdoor.viz.rerun.sink import HOST, listening, program
 
 START_S, LOAD_S, STEADY_S = 30.0, 120.0, 60.0
 NO_RENDERER = (
@@ -38,7 +37,7 @@ def shots(recording: Path, *, tabs: tuple[str, ...] = TABS, size: tuple[int, int
     """A picture of each tab at the end of the recording; VdoorError where pictures cannot be made."""
     with headless(recording, size) as client:
         current = client.get_state().recordings[0]
-        last = next((line.end for line in current.timelines if line.name == "step"), 0)
+        last = next((line.end for line in current.timelines if line.name == "step"), None) or 0
         client.set_time("step", sequence=last, play_state="paused")
         for tab in tabs:
             open_tab(client, tab)
@@ -63,10 +62,9 @@ def open_tab(client: ViewerClient, tab: str) -> None:
 def headless(recording: Path, size: tuple[int, int]) -> Iterator[ViewerClient]:
     """A viewer without a window, once it has loaded the recording."""
     port = free_port()
-    program = Path(sys.executable).with_name("rerun")
     words = ["--headless", "--bind", HOST, "--port", str(port), "--window-size", f"{size[0]}x{size[1]}"]
-    process = subprocess.Popen(
-        [program, *words, "--", recording],
+    process = subprocess.Popen(  # noqa: S603  # our own program
+        [program(), *words, "--", recording],
         stdout=subprocess.DEVNULL,
         stderr=subprocess.DEVNULL,
         env=os.environ | {"CI": "1"},  # no analytics

@@ -71,9 +71,13 @@ class RerunSink:
             raise VdoorError(f"--connect: wanted HOST:PORT, found {url!r}") from error
         if not listening(host, port):
             raise VdoorError(f"--connect: wanted a Rerun viewer listening, found none: {host}:{port}")
+        return cls._to(host, port, info)
+
+    @classmethod
+    def _to(cls, host: str, port: int, info: RunInfo, *, server: subprocess.Popen[bytes] | None = None) -> RerunSink:
         stream = new_stream(info)
         stream.connect_grpc(f"rerun+http://{host}:{port}/proxy", default_blueprint=blueprint())
-        return cls(stream, info)
+        return cls(stream, info, server=server)
 
     @classmethod
     def spawn(cls, info: RunInfo) -> RerunSink:
@@ -87,9 +91,7 @@ class RerunSink:
         server = start_program(
             "--serve-web", "--port", str(GRPC_PORT), "--web-viewer-port", str(WEB_PORT), port=GRPC_PORT
         )
-        sink = cls.connect(f"{HOST}:{GRPC_PORT}", info)
-        sink._server = server
-        return sink
+        return cls._to(HOST, GRPC_PORT, info, server=server)
 
     def write(self, step: int, record: Record) -> None:
         """Draw one record; in a file it survives a kill from here on."""
@@ -151,6 +153,17 @@ def errors_at(path: Path | None) -> Iterator[None]:
         raise VdoorError(f"recording: cannot be written ({reason}): {path or 'live viewer'}") from error
 
 
+def open_viewer(recording: Path) -> None:
+    """Show a recording in a viewer on this machine's screen, until it is closed."""
+    if subprocess.run([program(), "--bind", HOST, "--", recording], check=False).returncode:  # noqa: S603  # our own program
+        raise VdoorError(f"view: the viewer did not start or ended badly: {recording}")
+
+
+def program() -> Path:
+    """The `rerun` program that was installed with the library."""
+    return Path(sys.executable).with_name("rerun")
+
+
 def listening(host: str, port: int) -> bool:
     """Whether somebody takes connections there."""
     try:
@@ -164,9 +177,11 @@ def start_program(*words: str, port: int) -> subprocess.Popen[bytes]:
     """The `rerun` program, bound to this machine, once it listens."""
     if listening(HOST, port):
         raise VdoorError(f"viewer: port {port} of {HOST} is taken; use --connect {HOST}:{port} if that is a viewer")
-    program = Path(sys.executable).with_name("rerun")
-    process = subprocess.Popen(
-        [program, "--bind", HOST, *words], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True
+    process = subprocess.Popen(  # noqa: S603  # our own program
+        [program(), "--bind", HOST, *words],
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+        start_new_session=True,
     )
     until = time.monotonic() + PATIENCE_S
     while not listening(HOST, port):

@@ -1,0 +1,129 @@
+"""`vdoor replay`, `vdoor shot` and `vdoor view`: looking at a recording."""
+
+from __future__ import annotations
+
+import os
+import sys
+import tempfile
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from vdoor.cli.options import Force
+from vdoor.errors import SettingError, VdoorError
+from vdoor.say import say
+
+RecordingFile = Annotated[Path, typer.Argument(metavar="REC", help="An .mcap recording.")]
+AnyRecording = Annotated[Path, typer.Argument(metavar="REC", help="An .rrd or .mcap recording.")]
+STEP_S = 0.1
+"""Between two records at speed 1."""
+
+
+def replay(
+    recording: RecordingFile,
+    *,
+    save: Annotated[Path | None, typer.Option(metavar="FILE.rrd", help="Rerun recording, to look at.")] = None,
+    connect: Annotated[str | None, typer.Option(metavar="URL", help="Stream to a Rerun viewer that runs.")] = None,
+    serve: Annotated[bool, typer.Option("--serve", help="Stream to a web viewer on 127.0.0.1.")] = False,
+    spawn: Annotated[bool, typer.Option("--spawn", help="Open a Rerun viewer and stream to it.")] = False,
+    speed: Annotated[float, typer.Option(min=0.0, help="Ten records a second times this; 0 is at once.")] = 0.0,
+    force: Force = False,
+) -> None:
+    """Draw a recording again, as the run did when it was made."""
+    from vdoor.files import refuse_existing
+    from vdoor.outputs import Outputs
+
+    outputs = Outputs(save=save, connect=connect, serve=serve, spawn=spawn)
+    if not (save or connect or serve or spawn):
+        raise SettingError("replay: wanted somewhere to draw, one of --save, --connect, --serve, --spawn")
+    refuse_existing(outputs.files, force=force)
+    records = _draw(recording, outputs, pause_s=STEP_S / speed if speed else 0.0)
+    print(f"{records} records drawn")
+
+
+def shot(
+    recording: AnyRecording,
+    *,
+    out: Annotated[Path, typer.Option("--out", "-o", metavar="DIR", help="Folder for the pictures.")],
+    stage: Annotated[list[str] | None, typer.Option(help="Only this tab, say Doors; repeatable.")] = None,
+    size: Annotated[str, typer.Option(metavar="WxH", help="Of the pictures in pixels.")] = "1600x1000",
+    force: Force = False,
+) -> None:
+    """Take a PNG picture of each stage, without a screen."""
+    from vdoor.files import make_folder, refuse_existing, write_whole
+    from vdoor.viz.rerun.blueprint import TABS
+    from vdoor.viz.rerun.shot import shots
+
+    by_name = {tab.lower(): tab for tab in TABS}
+    unknown = [name for name in stage or () if name.lower() not in by_name]
+    if unknown:
+        raise SettingError(f"--stage: wanted one of {', '.join(TABS)}, found {unknown[0]!r}")
+    tabs = tuple(by_name[name.lower()] for name in stage) if stage else TABS
+    paths = {tab: out / f"{TABS.index(tab)}_{tab.lower().replace(' ', '_')}.png" for tab in tabs}
+    refuse_existing(paths.values(), force=force)
+    with _as_rrd(recording) as drawn:
+        for picture in shots(drawn, tabs=tabs, size=_size(size)):
+            make_folder(out)
+            print(write_whole(paths[picture.tab], picture.png))
+            for problem in picture.problems:
+                say(f"note: {picture.tab}: {problem}")
+
+
+def view(recording: AnyRecording) -> None:
+    """Open a recording in the Rerun viewer."""
+    if not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY") or sys.platform in ("darwin", "win32")):
+        raise VdoorError(
+            "view: this machine has no screen; take pictures with `vdoor shot`, or run `vdoor replay REC.mcap --serve` "
+            "here and `ssh -L 9090:127.0.0.1:9090 -L 9876:127.0.0.1:9876 THIS_MACHINE` there, then open "
+            f"http://127.0.0.1:9090?url=rerun%2Bhttp://127.0.0.1:9876/proxy: {recording}"
+        )
+    from vdoor.viz.rerun.sink import open_viewer
+
+    with _as_rrd(recording) as drawn:
+        open_viewer(drawn)
+
+
+def _draw(path: Path, outputs: object, *, pause_s: float = 0.0) -> int:
+    """Draw a recording where `outputs` says; returns how many records there were."""
+    from vdoor.outputs import Outputs, opened
+    from vdoor.pipeline import RECORDS
+    from vdoor.recording.mcap import read_recording
+
+    assert isinstance(outputs, Outputs)
+    recording = read_recording(path, types=RECORDS)
+    count = 0
+    with opened(outputs, recording.info) as sinks:
+        for step, record in recording:
+            for sink in sinks:
+                sink.write(step, record)
+            count += 1
+            time.sleep(pause_s)
+    return count
+
+
+@contextmanager
+def _as_rrd(path: Path) -> Iterator[Path]:
+    """The recording as an .rrd, drawn into a scratch folder if it is an .mcap."""
+    if not path.is_file():
+        raise VdoorError(f"recording: wanted an .rrd or .mcap file, found none: {path}")
+    if path.name.removesuffix(".partial").endswith(".rrd"):
+        yield path
+        return
+    from vdoor.outputs import Outputs
+
+    with tempfile.TemporaryDirectory() as folder:
+        drawn = Path(folder) / f"{path.name.split('.')[0]}.rrd"
+        _draw(path, Outputs(save=drawn))
+        yield drawn
+
+
+def _size(text: str) -> tuple[int, int]:
+    """Width and height in pixels."""
+    width, _, height = text.partition("x")
+    if not (width.isdigit() and height.isdigit() and 100 <= int(width) <= 8192 and 100 <= int(height) <= 8192):  # noqa: PLR2004  # what viewers can draw
+        raise SettingError(f"--size: wanted WxH of 100 to 8192 pixels, say 1600x1000, found {text!r}")
+    return int(width), int(height)
