@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Annotated, Any, NamedTuple
@@ -12,7 +13,8 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components
 
 from vdoor.config import Within
-from vdoor.stages.rooms import InitialMap, components
+from vdoor.stages.pieces import components
+from vdoor.stages.rooms import InitialMap
 
 Bits = NDArray[np.bool_]
 Floats = NDArray[np.float64]
@@ -148,7 +150,7 @@ def bundles(initial: InitialMap) -> tuple[NDArray[np.intp], NDArray[np.intp], ND
     begin = np.searchsorted(initial.cover_atom, np.arange(atoms))
     cover = [
         initial.cover_edge[slice(*ends)].tobytes()
-        for ends in zip(begin, np.append(begin[1:], len(initial.cover_edge)), strict=True)
+        for ends in itertools.pairwise(np.append(begin, len(initial.cover_edge)))
     ]
     number = {key: index for index, key in enumerate(dict.fromkeys(cover))}
     same_doors = np.array([number[key] for key in cover], np.intp)

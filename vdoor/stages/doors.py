@@ -139,7 +139,7 @@ class ProposeDoors:
         own = same_wall(path, corners.sample[corner], sample, self.single_detour)
         own |= np.abs(end - start).max(axis=1) <= 1
         # one entry a cell: own walls first, so that one own sample speaks for its cell
-        cell = end[:, 0].astype(np.int64) * path.frame.width + end[:, 1]
+        cell = end[:, 0].astype(np.int64) * (path.frame.width + 2) + end[:, 1]  # columns -1 to width
         order = np.lexsort((~own, cell, corner))
         key = np.stack([corner[order], cell[order]])
         leads = np.append(True, (key[:, 1:] != key[:, :-1]).any(axis=0))

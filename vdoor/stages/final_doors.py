@@ -11,7 +11,8 @@ from scipy.spatial import cKDTree
 
 from vdoor.record import Frame
 from vdoor.stages.doors import KINDS
-from vdoor.stages.rooms import InitialMap, components
+from vdoor.stages.pieces import components
+from vdoor.stages.rooms import InitialMap
 from vdoor.stages.simplify import SimplifiedGrid
 
 Floats = NDArray[np.float64]

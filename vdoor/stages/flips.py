@@ -57,6 +57,7 @@ class FlipState:
         nodes = [node for node in self.nodes_of_edge[edge] if self.kept_doors[node] == 1]
         around = {self.room_of[near] for node in nodes for near in self.neighbours[node]} - {-1}
         lowest = [min(self.members[room]) for room in sorted(around)]
+        lowest = [node for node in lowest if node < self.problem.regions]  # an opened atom by itself is no room
         self._flip(edge)
         groups: dict[int, list[int]] = {}
         for node in lowest:

@@ -42,7 +42,7 @@ def _some_lines(free: NDArray[np.bool_], start: Ints, end: Ints) -> tuple[NDArra
         offset = np.stack([below, above], axis=-1) * between[..., None]
         sides.append(start[:, axis, None, None] + offset)
     row, col = sides
-    open_ = free[row, col]
+    open_ = np.pad(free, 1)[row + 1, col + 1]  # a door may end one cell outside the map
     clear = (open_.any(axis=2) | ~between).all(axis=1) & (steps > 1)
     taken = open_ & (between & clear[:, None])[..., None]
     taken[..., 1] &= (row[..., 0] != row[..., 1]) | (col[..., 0] != col[..., 1])

@@ -13,7 +13,8 @@ from vdoor.stages.cost import Bits, MergeProblem
 from vdoor.stages.final_doors import door_rows, narrow_passages
 from vdoor.stages.flips import FlipState
 from vdoor.stages.labels import at_input, flooded, numbered
-from vdoor.stages.rooms import InitialMap, centres, polygons
+from vdoor.stages.polygons import centres, polygons
+from vdoor.stages.rooms import InitialMap
 from vdoor.stages.runs import runs_of
 from vdoor.stages.search import Generation
 from vdoor.stages.simplify import SimplifiedGrid
@@ -74,9 +75,13 @@ def merged(initial: InitialMap, problem: MergeProblem, removed: Bits) -> tuple[I
     """
     state = FlipState(problem, np.flatnonzero(removed).tolist())
     worst_first = np.lexsort((np.arange(problem.edges), initial.length_m, initial.tilt_rad))[::-1]
+    for edge in worst_first.tolist():
+        if not state.removed[edge]:
+            state.open_if_idle(edge)
+    # Asked again, since a dropped door may have been all that kept another from joining a third room.
     pairs = [
         (edge, *pair)
-        for edge in worst_first.tolist()
+        for edge in range(problem.edges)
         if not state.removed[edge]
         for joined in state.open_if_idle(edge)
         for pair in itertools.combinations(joined, 2)

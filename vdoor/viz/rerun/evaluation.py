@@ -1,0 +1,159 @@
+"""An evaluation over the map: doors as hits, misses and false ones, and which found room is which true one."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import rerun as rr
+import rerun.blueprint as rrb
+from numpy.typing import NDArray
+
+from vdoor import __version__
+from vdoor.emit import RunInfo
+from vdoor.errors import VdoorError
+from vdoor.evaluate import Doors, Evaluation
+from vdoor.evaluate.report import fates
+from vdoor.files import partial_name
+from vdoor.grid import Source
+from vdoor.viz.rerun import style
+from vdoor.viz.rerun.draw import CELL_CLASSES, cell_classes
+from vdoor.viz.rerun.scene import Scene, classes, pixels, strips
+from vdoor.viz.rerun.sink import errors_at, new_stream
+
+TABS = ("Doors", "Rooms")
+HIT, MISSED, FALSE, EXCUSED = "hits", "missed", "false", "excused"
+FATES: dict[str, style.Colour] = {
+    HIT: (20, 150, 70),
+    MISSED: (214, 30, 50),
+    FALSE: (240, 130, 20),
+    EXCUSED: (120, 122, 128),
+}
+UNPAIRED: style.Colour = (90, 60, 70)
+LEGEND = """
+Doors: **green** hit, **red** missed, **orange** false, **grey** excused (nobody is sure there is none); thin green
+lines are the true doors that were hit. Rooms that are a pair have one colour, with their intersection over union on the
+found one; dark ones have no partner. Several maps follow one another along the timeline `step`.
+"""
+
+
+def save_evaluations(path: Path, evaluations: Sequence[Evaluation]) -> None:
+    """Write a Rerun recording with one step a map; `VdoorError` where it cannot be written."""
+    partial = partial_name(path)
+    stream = new_stream(_identity(evaluations))
+    try:
+        with errors_at(path):
+            partial.touch()
+            stream.save(partial, default_blueprint=blueprint())
+            scene = Scene(stream)
+            for step, evaluation in enumerate(evaluations):
+                scene.begin(step, evaluation.name)
+                draw_evaluation(scene, evaluation)
+            stream.flush()
+            stream.disconnect()
+            if partial.stat().st_size:
+                partial.replace(path)
+                return
+        raise VdoorError(f"recording: nothing was written, wanted a Rerun recording: {path}")
+    finally:
+        partial.unlink(missing_ok=True)
+
+
+def blueprint() -> rrb.Blueprint:
+    """Doors over the map, found rooms beside true ones, and the figures."""
+    doors = _view("Doors: green hit, red missed, orange false", "evaluation/doors/**")
+    found = _view("Found rooms, with their IoU", "evaluation/found/**")
+    true = _view("True rooms", "evaluation/true/**")
+    figures = rrb.TextDocumentView(origin="figures", name="Figures")
+    return rrb.Blueprint(
+        rrb.Tabs(
+            rrb.Horizontal(doors, figures, column_shares=[3, 1], name=TABS[0]),
+            rrb.Horizontal(found, true, name=TABS[1]),
+        ),
+        rrb.BlueprintPanel(state="collapsed"),
+        rrb.SelectionPanel(state="collapsed"),
+        rrb.TimePanel(state="collapsed", timeline="step", play_state="paused"),
+        auto_views=False,
+        auto_layout=False,
+    )
+
+
+def draw_evaluation(scene: Scene, evaluation: Evaluation) -> None:
+    """One map: its cells, its doors by their fate, its rooms by their pair, its figures."""
+    scene.keep("evaluation/map", classes(CELL_CLASSES))
+    scene.raster("evaluation/map", cell_classes(evaluation.division.grid))
+    size = max(evaluation.division.free.shape) / 400
+    for fate, doors in fates(evaluation).items():
+        draw_doors(scene, f"evaluation/doors/{fate}", doors, colour=FATES[fate], radius=size)
+    of_hits = evaluation.reference.doors[evaluation.matches[0.5].hit_true]
+    draw_doors(scene, "evaluation/doors/true_of_hits", of_hits, colour=FATES[HIT], radius=size / 3)
+    draw_rooms(scene, evaluation)
+    rows = "\n".join(f"| {name} | {value:.4g} |" for name, value in evaluation.figures().items())
+    text = f"# {evaluation.name}\n\n| figure | |\n|---|---|\n{rows}\n{LEGEND}"
+    scene.log("figures", rr.TextDocument(text, media_type="text/markdown"))
+
+
+def draw_doors(scene: Scene, entity: str, doors: Doors, *, colour: style.Colour, radius: float) -> None:
+    """Doors as lines from end to end with their place as a dot."""
+    fate = entity.rsplit("/", 1)[1].replace("_", " ")
+    labels = [f"{fate}: {width_m:.2f} m" for width_m in doors.width_m]
+    lines = strips(doors.ends[:, 0], doors.ends[:, 1])
+    scene.log(entity, rr.LineStrips2D(list(lines), colors=colour, radii=radius, draw_order=20.0))
+    middles = rr.Points2D(
+        pixels(doors.centre), colors=colour, radii=radius * 2, labels=labels, show_labels=False, draw_order=21.0
+    )
+    scene.log(f"{entity}/middle", middles)
+
+
+def draw_rooms(scene: Scene, evaluation: Evaluation) -> None:
+    """Found and true rooms, each pair in one colour."""
+    found, true = evaluation.division.rooms, evaluation.reference.rooms
+    if evaluation.rooms is None or true is None:
+        true, colours = np.zeros_like(found), np.arange(found.max(initial=0) + 1)
+    else:
+        colours = np.full(evaluation.rooms.found + 1, evaluation.rooms.true + 1)
+        colours[0] = 0
+        colours[evaluation.rooms.pairs[:, 1]] = evaluation.rooms.pairs[:, 0]
+        paired = np.isin(np.arange(evaluation.rooms.true + 1), [0, *evaluation.rooms.pairs[:, 0]])
+        true = np.where(paired[true], true, evaluation.rooms.true + 1)
+    last = int(max(colours.max(initial=0), true.max(initial=0)))
+    names = {0: ("no room", style.CLEAR)} | {room: (f"room {room}", style.room(room)) for room in range(1, last + 1)}
+    if evaluation.rooms is not None:
+        names[evaluation.rooms.true + 1] = ("no partner", UNPAIRED)
+    for side, labels in (("found", colours[found]), ("true", true)):
+        scene.log(f"evaluation/{side}/rooms", classes(names))
+        scene.raster(f"evaluation/{side}/rooms", labels.astype(np.uint16), order=1.0, opacity=0.85)
+    draw_shares(scene, evaluation)
+
+
+def draw_shares(scene: Scene, evaluation: Evaluation) -> None:
+    """The intersection over union of each pair, at the middle of its found room."""
+    score = evaluation.rooms
+    places, labels = np.zeros((0, 2)), []
+    if score is not None:
+        places = _middles(evaluation.division.rooms)[score.pairs[:, 1] - 1]
+        labels = [f"{share:.2f}" for share in score.pair_iou]
+    scene.log(
+        "evaluation/found/iou",
+        rr.Points2D(pixels(places), colors=style.FREE, radii=0.1, labels=labels, show_labels=True, draw_order=22.0),
+    )
+
+
+def _middles(rooms: NDArray[np.int32]) -> NDArray[np.float64]:
+    """Mean cell of each room (k, 2) as row, col."""
+    cells = np.argwhere(rooms)
+    room = rooms[rooms > 0]
+    counts = np.bincount(room)[1:]
+    return np.stack([np.bincount(room, along)[1:] / counts for along in cells.T], axis=1)
+
+
+def _view(name: str, contents: str) -> rrb.Spatial2DView:
+    return rrb.Spatial2DView(name=name, origin="evaluation", contents=["+ /evaluation/map", f"+ /{contents}"])
+
+
+def _identity(evaluations: Sequence[Evaluation]) -> RunInfo:
+    """What the recording's id follows from: equal evaluations have equal ones."""
+    files = tuple((evaluation.name, evaluation.division.rooms.tobytes()) for evaluation in evaluations)
+    figures = {evaluation.name: evaluation.figures() for evaluation in evaluations}
+    return RunInfo(version=__version__, preset="evaluate", seed=0, settings=figures, source=Source(files=files))
