@@ -81,7 +81,11 @@ class TraceBoundary:
         if on_cracks:
             half -= STEP[(contours.heading[keep] + 1) % 4]
         turned_left = np.zeros(len(half), np.bool_)
-        turned_left[sample[contours.turn > 0]] = True
+        # Both cracks beside a corner belong to it, so that the mark mirrors with the map.
+        after = np.arange(1, len(wall) + 1)
+        after[contours.first + contours.length - 1] = contours.first
+        for side in (np.arange(len(wall)), after):
+            turned_left[sample[side[contours.turn > 0]]] = True
         arc_m, length_m = arc_lengths(half, first, simplified.frame.resolution_m)
         return BoundaryPath(
             cell=wall[keep],
