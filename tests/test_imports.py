@@ -26,7 +26,7 @@ MAY_IMPORT = {
     "recording": {"errors", "files", "record", "grid", "emit", "hold"},
     "viz": {"errors", "files", "record", "grid", "emit", "stages", "topology", "recording"},
     "synth": {"errors", "files", "record", "grid"},
-    "history": {"errors", "record", "grid", "emit", "stages", "topology", "recording"},
+    "history": {"errors", "config", "record", "grid", "emit", "pipeline", "stages", "topology", "recording"},
     "why": {"errors", "history", "record", "grid", "pipeline", "stages", "topology", "recording"},
     "outputs": {"errors", "say", "files", "record", "emit", "recording", "viz"},
     "study": {"pipeline", "stages", "synth"},

@@ -18,13 +18,13 @@ from numpy.typing import NDArray
 from PIL import Image
 from rosbags.highlevel import AnyReader
 
-from vdoor.emit import RunInfo
+from vdoor.emit import Recorder, RunInfo
 from vdoor.errors import RecordingError
 from vdoor.grid import OccupancyGrid, Source
+from vdoor.hold import held_signals
 from vdoor.record import Frame, Record, Spec, equal
 from vdoor.recording import about
 from vdoor.recording import mcap as recorded
-from vdoor.recording.hold import held_signals
 from vdoor.recording.mcap import McapSink, read_recording
 from vdoor.stages.search import Generation
 from vdoor.topology import TopologicalMap
@@ -181,10 +181,11 @@ def test_damage_to_a_source_file_is_found_before_anything_is_read(tmp_path: Path
         read_recording(path, types=RECORDS)
 
 
-def test_damage_to_the_settings_is_found_once_all_is_read(tmp_path: Path) -> None:
+def test_damage_to_the_settings_is_found_before_anything_is_read(tmp_path: Path) -> None:
     path = write(tmp_path / "run.mcap", run())
     path.write_bytes(path.read_bytes().replace(b'"cell_m": 0.2', b'"cell_m": 0.3', 1))
-    assert "damaged (crc validation failed" in refused(path)
+    with pytest.raises(RecordingError, match="metadata: wanted texts with the recorded checksum, found them damaged"):
+        read_recording(path, types=RECORDS)
 
 
 def test_names_of_source_files_touch_no_other_file(tmp_path: Path) -> None:
@@ -237,6 +238,7 @@ def test_records_and_fields_that_are_not_known_are_named(tmp_path: Path) -> None
     rng = np.random.default_rng(0)
     path = write(tmp_path / "corners.mcap", [random_record(Corners, rng)])
     assert "Corners.corner: wanted a column sample, found x, y, z, cell_0, cell_1, bend_deg" in refused(path)
+    assert "(written by vdoor 0.1.0); read it with that version, or record it again" in refused(path)
     path = write(tmp_path / "walls.mcap", [Walls(number=1)])
     assert "topic /vdoor/walls/values: unknown, wanted /vdoor/input/(cells|values), " in refused(path)
 
@@ -318,3 +320,34 @@ def test_a_signal_waits_until_the_record_is_whole() -> None:
         signal.raise_signal(signal.SIGINT)
         done.append("the rest")
     assert done == ["the rest"]
+
+
+class Listener:
+    """A sink that is sent a signal with its first record."""
+
+    def __init__(self, *, signalled: bool) -> None:
+        self.steps: list[int] = []
+        self._signalled = signalled
+
+    def write(self, step: int, record: Record) -> None:
+        if self._signalled:
+            signal.raise_signal(signal.SIGTERM)
+        self.steps.append(step)
+        assert record.topic
+
+    def close(self) -> None:
+        """Nothing to finish."""
+
+
+def test_after_a_signal_all_sinks_have_the_same_records() -> None:
+    def stop(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    sinks = [Listener(signalled=True), Listener(signalled=False)]
+    before = signal.signal(signal.SIGTERM, stop)
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            Recorder(sinks)(run()[0])
+    finally:
+        signal.signal(signal.SIGTERM, before)
+    assert [sink.steps for sink in sinks] == [[0], [0]]

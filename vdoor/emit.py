@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from typing import Any, Protocol, TypeVar
 
 from vdoor.grid import Source
+from vdoor.hold import held_signals
 from vdoor.record import Record
 
 R = TypeVar("R", bound=Record)
@@ -70,7 +71,7 @@ class Stopwatch:
 
 
 class Recorder:
-    """Numbers the records of one run and forwards them to its sinks."""
+    """Numbers the records of one run and forwards them to its sinks, all of them or, after a signal, none."""
 
     def __init__(self, sinks: Sequence[Sink]) -> None:
         self.sinks = tuple(sinks)
@@ -78,7 +79,8 @@ class Recorder:
 
     def __call__(self, record: R, /) -> R:
         """Forward one record and return it."""
-        for sink in self.sinks:
-            sink.write(self.step, record)
-        self.step += 1
+        with held_signals():
+            for sink in self.sinks:
+                sink.write(self.step, record)
+            self.step += 1
         return record

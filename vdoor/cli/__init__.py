@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from vdoor import __version__
-from vdoor.cli import run, studies
+from vdoor.cli import evaluate, recordings, run, studies, terminal, viewing
 from vdoor.errors import VdoorError
 from vdoor.say import say
 
@@ -23,6 +23,19 @@ app = typer.Typer(
 COMMANDS = (
     ("run", run.run, "vdoor run map.yaml --save out.rrd --mcap out.mcap --out result/"),
     ("config", run.config, "vdoor config --preset paper > my.toml; vdoor run map.pgm --config my.toml"),
+    ("show", terminal.show, "vdoor show out.mcap --stage doors"),
+    ("step", terminal.step, "vdoor step out.mcap"),
+    ("why", terminal.why, "vdoor why out.mcap --at 3.2,4.1"),
+    ("replay", viewing.replay, "vdoor replay out.mcap --save out.rrd"),
+    ("shot", viewing.shot, "vdoor shot out.mcap -o pictures/ --stage Doors"),
+    ("view", viewing.view, "vdoor view out.rrd"),
+    ("verify", recordings.verify, "vdoor verify recordings/golden --junit report.xml"),
+    ("diff", recordings.diff, "vdoor diff before.mcap after.mcap"),
+    ("info", recordings.info, "vdoor info out.mcap"),
+    ("check", recordings.check, "vdoor check out.mcap"),
+    ("recover", recordings.recover, "vdoor recover out.mcap.partial -o out.mcap"),
+    ("golden", recordings.golden, "vdoor golden recordings/golden"),
+    ("evaluate", evaluate.evaluate, "vdoor evaluate result/ --reference truth.png --min door_f1=0.9 --save seen.rrd"),
     ("synth", studies.synth, "vdoor synth maps/flat --kind paper --seed 3 --set furniture=true"),
     ("bench", studies.bench, "vdoor bench --tile 4"),
     ("search-study", studies.search_study, "vdoor search-study --graphs 60 --seeds 50"),
@@ -33,11 +46,20 @@ for name, function, example in COMMANDS:
     app.command(name, epilog=f"Example: {example}")(function)
 
 
-@app.callback()
-def _vdoor(version: Annotated[bool, typer.Option("--version", help="Print the version.")] = False) -> None:
-    if version:
+def _print_version(wanted: bool) -> None:
+    if wanted:
         print(f"vdoor {__version__}")
         raise typer.Exit
+
+
+@app.callback()
+def _vdoor(
+    *,
+    version: Annotated[
+        bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Print the version.")
+    ] = False,
+) -> None:
+    del version
 
 
 def main() -> None:
@@ -47,5 +69,3 @@ def main() -> None:
     except VdoorError as error:
         say(str(error))
         sys.exit(2)
-    except KeyboardInterrupt as error:
-        sys.exit(getattr(error, "exit_code", 130))

@@ -76,12 +76,12 @@ def run(
             say(f"{seconds:8.3f} s CPU  {stage}")
 
 
-def config(*, preset: Preset = "default", file: Config = None, set_: Set = None) -> None:
+def config(*, preset: Preset = "default", config: Config = None, set_: Set = None) -> None:
     """Print all settings as TOML."""
     from vdoor.config import to_toml
     from vdoor.pipeline import SEARCHES
 
-    print(to_toml(chosen_pipeline(preset, file, set_), {"search": SEARCHES}), end="")
+    print(to_toml(chosen_pipeline(preset, config, set_), {"search": SEARCHES}), end="")
 
 
 def _info(grid: OccupancyGrid, preset: str, pipeline: Pipeline, seed: int) -> RunInfo:

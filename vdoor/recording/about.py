@@ -11,6 +11,10 @@ from vdoor.emit import RunInfo
 from vdoor.errors import RecordingError
 from vdoor.grid import Source
 
+CHECKSUM = "checksum"
+"""Entry with the SHA-256 of all others: the file's own checksum comes too late for who reads only the settings."""
+LOST = RunInfo(version="unknown", preset="lost", seed=-1, settings={})
+"""What is said of a run that was recovered without its settings."""
 SCHEMA = "1"
 """Raised when a recording of before can no longer be read; a record's own fields are checked one by one beside it."""
 
@@ -23,7 +27,7 @@ def digest(source: Source) -> str:
 
 def to_text(info: RunInfo) -> dict[str, str]:
     """All of a run's information but the bytes of its source files, as names and texts."""
-    return {
+    text = {
         "schema": SCHEMA,
         "version": info.version,
         "preset": info.preset,
@@ -34,13 +38,14 @@ def to_text(info: RunInfo) -> dict[str, str]:
         "source_sha256": json.dumps([_sha256(data) for _, data in info.source.files]),
         "sha256": digest(info.source),
     }
+    return text | {CHECKSUM: _checksum(text)}
 
 
 def from_text(text: Mapping[str, str], files: Sequence[tuple[str, bytes]]) -> RunInfo:
     """Information on a run from its texts and the source files that were stored with it.
 
-    Raises `RecordingError` where the schema is another, a text is missing or no such text, or a file is not the one
-    that was recorded.
+    Raises `RecordingError` where the schema is another, a text is missing, damaged or no such text, or a file is not
+    the one that was recorded.
     """
     names = source_names(text)
     try:
@@ -64,9 +69,32 @@ def from_text(text: Mapping[str, str], files: Sequence[tuple[str, bytes]]) -> Ru
     return info
 
 
+def salvaged(text: Mapping[str, str] | None, files: Sequence[tuple[str, bytes]]) -> tuple[RunInfo, list[str]]:
+    """What is whole of the information on a run, and what is not, one line each.
+
+    Raises `RecordingError` where it is of another schema.
+    """
+    if text is None or text.get(CHECKSUM) != _checksum(text):
+        return LOST, ["preset, settings, seed and source files of the run"]
+    names = source_names(text)
+    try:
+        return from_text(text, files), []
+    except RecordingError:
+        none = {"source_files": "[]", "source_sha256": "[]"}
+        bare = {**text, **none}
+        return from_text(bare | {CHECKSUM: _checksum(bare)}, ()), [f"source files: {', '.join(names)}"]
+
+
 def source_names(text: Mapping[str, str]) -> list[str]:
-    """Names of the source files that were stored with a recording, in order; `RecordingError` for another schema."""
-    if text.get("schema") != SCHEMA:
+    """Names of the source files that were stored with a recording, in order.
+
+    Raises `RecordingError` where the texts are damaged or of another schema.
+    """
+    is_ours = text.get("schema") == SCHEMA
+    if (CHECKSUM in text or is_ours) and text.get(CHECKSUM) != _checksum(text):
+        msg = "recording metadata: wanted texts with the recorded checksum, found them damaged"
+        raise RecordingError(msg)
+    if not is_ours:
         found = f"{text.get('schema')} (written by vdoor {text.get('version', 'unknown')})"
         msg = f"recording schema: wanted {SCHEMA}, found {found}; read it with that version, or record it again"
         raise RecordingError(msg)
@@ -82,6 +110,10 @@ def _of(kind: type, value: Any) -> Any:
         msg = f"{type(value).__name__} for a {kind.__name__}"
         raise TypeError(msg)
     return value
+
+
+def _checksum(text: Mapping[str, str]) -> str:
+    return _sha256(json.dumps({name: text[name] for name in text if name != CHECKSUM}, sort_keys=True).encode())
 
 
 def _sha256(data: bytes) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, ClassVar, get_type_hints
 
 import numpy as np
@@ -20,6 +21,8 @@ POINT_FIELD = {np.dtype("u1"): UINT8, np.dtype("<i4"): INT32, np.dtype("<f4"): F
 POINT_FIELD_NAME = {UINT8: "UINT8", INT32: "INT32", FLOAT32: "FLOAT32", FLOAT64: "FLOAT64"}
 VIEWERS = ("x", "y", "z")
 FRAME: dict[str, type] = {field.name: get_type_hints(Frame)[field.name] for field in dataclasses.fields(Frame)}
+FAR = 1e18
+"""Sizes and places up to here leave all points of a map within the float32 that viewers are given."""
 WHOLE_TO = 2**53
 """Integers up to here are exact as float64."""
 
@@ -34,12 +37,12 @@ class Table:
 
     message: ClassVar[str] = "sensor_msgs/msg/PointCloud2"
 
-    @property
+    @cached_property
     def columns(self) -> tuple[str, ...]:
         """Names of the record's fields in this table."""
         return tables(self.record)[self.table]
 
-    @property
+    @cached_property
     def layout(self) -> np.dtype[Any]:
         """One row of the table; a column of pairs has one entry here and two in the message."""
         rows: list[Any] = [(name, "<f4") for name in VIEWERS]
@@ -49,7 +52,7 @@ class Table:
             rows.append((name, STORED[dtype], tuple(int(axis) for axis in spec.axes[1:])))
         return np.dtype(rows, align=True)  # readers in C++ expect every double on its own boundary
 
-    @property
+    @cached_property
     def fields(self) -> dict[str, tuple[int, int]]:
         """Offset and type of each entry of the message by its name: `cell` of shape ``k 2`` is cell_0 and cell_1."""
         found: dict[str, tuple[int, int]] = {}
@@ -182,7 +185,8 @@ class Values:
         if not self.has_frame:
             return values
         frame = {name: values.pop(name) for name in FRAME}
-        if not (np.isfinite(list(frame.values())).all() and frame["resolution_m"] > 0 <= frame["height"]):
+        near = all(abs(value) <= FAR for value in frame.values())  # which no nan is
+        if not (near and frame["resolution_m"] > 0 <= min(frame["height"], frame["width"])):
             msg = f"{self.place}: wanted the size and pose of a raster, found {frame}"
             raise RecordingError(msg)
         return values | {"frame": Frame(**frame)}

@@ -21,9 +21,10 @@ from numpy.typing import NDArray
 from vdoor.emit import RunInfo
 from vdoor.errors import RecordingError
 from vdoor.grid import OccupancyGrid
+from vdoor.hold import held_signals
 from vdoor.record import Record
 from vdoor.recording import about, codec, ros, viewers
-from vdoor.recording.hold import held_signals
+from vdoor.recording.printable import printable
 
 if TYPE_CHECKING:
     from mcap.records import McapRecord, Message
@@ -34,6 +35,7 @@ EPOCH_NS, STEP_NS = 1_577_836_800 * ros.NS_PER_S, 100_000_000
 CHUNK_TO = 2**30
 """Bytes of a chunk unpacked, at most: a raster of 16,384 x 16,384 labels."""
 SIZE_UNKNOWN = -1
+MAGIC_SIZE = 8
 
 
 def time_ns(step: int) -> int:
@@ -80,7 +82,7 @@ class McapSink:
         """Write the indexes and close the file; of a file that could not be written there is nothing left to close."""
         if self._stream.closed:
             return
-        with self._writing():
+        with held_signals(), self._writing():  # half a footer could not be finished by closing again
             self._writer.finish()  # type: ignore[no-untyped-call]
             self._stream.close()
 
@@ -94,9 +96,9 @@ class McapSink:
 
     @contextlib.contextmanager
     def _writing(self) -> Iterator[None]:
-        """Write whole records: signals wait, and after an error the file is closed as it is."""
+        """Write, and after an error close the file as it is."""
         try:
-            with held_signals(), _naming_unwritable(self.path):
+            with _naming_unwritable(self.path):
                 yield
         except RecordingError:
             with contextlib.suppress(OSError):
@@ -118,12 +120,14 @@ class Recording:
 
     def __iter__(self) -> Iterator[tuple[int, Record]]:
         """Pairs of step and record; `RecordingError` for parts that are missing, unknown or do not fit the record."""
-        with _naming(self.path):
-            for step, record in _records(self.path, {record.topic: record for record in self.types}):
+        with naming(self.path):
+            known = {record.topic: record for record in self.types}
+            for step, record in _records(self.path, known, version=self.info.version):
                 if isinstance(record, OccupancyGrid):
                     yield step, dataclasses.replace(record, source=self.info.source)
                 else:
                     yield step, record
+                del record  # or it would stay in memory while the next one is read
 
 
 def read_recording(path: Path, *, types: Sequence[type[Record]]) -> Recording:
@@ -131,7 +135,7 @@ def read_recording(path: Path, *, types: Sequence[type[Record]]) -> Recording:
 
     Raises `RecordingError` where there is none, or one of another schema; damage further on is found when iterating.
     """
-    with _naming(path):
+    with naming(path):
         return Recording(path, _info(path), tuple(types))
 
 
@@ -142,7 +146,7 @@ def _info(path: Path) -> RunInfo:
     text: dict[str, str] | None = None
     names: list[str] = []
     files: list[tuple[str, bytes]] = []
-    for record in _scan(path):
+    for _, _, record in scan(path):
         if isinstance(record, Metadata) and record.name == METADATA:
             text, names = record.metadata, about.source_names(record.metadata)
         elif isinstance(record, Attachment):
@@ -153,13 +157,14 @@ def _info(path: Path) -> RunInfo:
     raise RecordingError(msg)
 
 
-def _records(path: Path, known: Mapping[str, type[Record]]) -> Iterator[tuple[int, Record]]:
+def _records(path: Path, known: Mapping[str, type[Record]], *, version: str) -> Iterator[tuple[int, Record]]:
     """Pairs of step and record of the file, each given out as soon as its last part is there."""
     gathered: dict[str, bytes] = {}
     at = (-1, "")
     for topic, name, message in _messages(path):
-        kind, part = _find(topic, name, known=known)
-        here = (_step(topic, message.log_time), kind.topic)
+        with naming_version(version):
+            kind, part = find(topic, name, known=known)
+        here = (step_of(topic, message.log_time), kind.topic)
         if (gathered and here != at) or part in gathered:
             break
         if not gathered and here[0] <= at[0]:
@@ -168,16 +173,24 @@ def _records(path: Path, known: Mapping[str, type[Record]]) -> Iterator[tuple[in
         at = here
         gathered[part] = message.data
         if gathered.keys() == codec.parts(kind).keys():
-            record = codec.decode(kind, gathered)
-            gathered = {}  # before the yield, or the messages would stay in memory beside the record
+            with naming_version(version):
+                record = decoded(kind, gathered)
             yield at[0], record
+            del record  # or it would stay in memory while the next one is read
     if gathered:
         missing = codec.parts(known[at[1]]).keys() - gathered.keys()
         msg = f"step {at[0]} ({at[1]}): wanted one message a part, found none or two of {', '.join(sorted(missing))}"
         raise RecordingError(msg)
 
 
-def _find(topic: str, name: str, *, known: Mapping[str, type[Record]]) -> tuple[type[Record], str]:
+def decoded(kind: type[Record], gathered: dict[str, bytes]) -> Record:
+    """Record of the gathered parts, which are let go, or they would stay in memory beside it."""
+    record = codec.decode(kind, gathered)
+    gathered.clear()
+    return record
+
+
+def find(topic: str, name: str, *, known: Mapping[str, type[Record]]) -> tuple[type[Record], str]:
     """Type of record and the part that a topic belongs to; its messages are of ROS type `name`."""
     prefix, _, part = topic.rpartition("/")
     kind = known.get(prefix.removeprefix(f"{codec.PREFIX}/"))
@@ -193,7 +206,8 @@ def _find(topic: str, name: str, *, known: Mapping[str, type[Record]]) -> tuple[
     return kind, part
 
 
-def _step(topic: str, log_time_ns: int) -> int:
+def step_of(topic: str, log_time_ns: int) -> int:
+    """Step of a message of that log time; `RecordingError` naming its topic where there is none."""
     step, rest_ns = divmod(log_time_ns - EPOCH_NS, STEP_NS)
     if step < 0 or rest_ns:
         msg = f"topic {topic}: wanted the log time of a step, found {log_time_ns} ns"
@@ -203,24 +217,38 @@ def _step(topic: str, log_time_ns: int) -> int:
 
 def _messages(path: Path) -> Iterator[tuple[str, str, Message]]:
     """Topic, ROS type and message, of all that are parts of records."""
-    from mcap.records import Channel, Message, Schema  # noqa: PLC0415  # only recordings need it
-
-    names: dict[int, str] = {}
-    channels: dict[int, tuple[str, str]] = {}
-    for record in _scan(path):
-        for item in _unpacked(record):
-            if isinstance(item, Schema):
-                names[item.id] = item.name if item.encoding == "ros2msg" else f"{item.name} ({item.encoding})"
-            elif isinstance(item, Channel):
-                encoding = "" if item.message_encoding == "cdr" else f" ({item.message_encoding})"
-                channels[item.id] = item.topic, names.get(item.schema_id, "no schema") + encoding
-            elif isinstance(item, Message):
-                topic, name = channels.get(item.channel_id, (f"of unknown channel {item.channel_id}", "no schema"))
-                if topic not in viewers.TOPICS:
-                    yield topic, name, item
+    topics = Topics()
+    for _, _, record in scan(path):
+        for item in unpacked(record):
+            yield from topics.parts(item)
 
 
-def _unpacked(record: McapRecord) -> list[McapRecord]:
+class Topics:
+    """Topics and ROS types of messages, by the schemas and channels that were seen before them."""
+
+    def __init__(self) -> None:
+        self._names: dict[int, str] = {}
+        self._channels: dict[int, tuple[str, int, str]] = {}
+
+    def parts(self, item: McapRecord) -> Iterator[tuple[str, str, Message]]:
+        """Topic, type and message, if the item is a part of a record; of schemas and channels the first ones stand."""
+        from mcap.records import Channel, Message, Schema  # noqa: PLC0415  # only recordings need it
+
+        if isinstance(item, Schema):
+            self._names.setdefault(
+                item.id, item.name if item.encoding == "ros2msg" else f"{item.name} ({item.encoding})"
+            )
+        elif isinstance(item, Channel):
+            encoding = "" if item.message_encoding == "cdr" else f" ({item.message_encoding})"
+            self._channels.setdefault(item.id, (item.topic, item.schema_id, encoding))
+        elif isinstance(item, Message):
+            unknown = f"of unknown channel {item.channel_id}"
+            topic, schema, encoding = self._channels.get(item.channel_id, (unknown, 0, ""))
+            if topic not in viewers.TOPICS:
+                yield topic, self._names.get(schema, "no schema") + encoding, item
+
+
+def unpacked(record: McapRecord) -> list[McapRecord]:
     """Contents of a chunk, once its size is known to be no lie; any other record as it is."""
     import zstandard  # noqa: PLC0415  # only recordings need it
     from mcap.records import Chunk  # noqa: PLC0415
@@ -240,12 +268,29 @@ def _unpacked(record: McapRecord) -> list[McapRecord]:
     return breakup_chunk(record, validate_crc=True)
 
 
-def _scan(path: Path) -> Iterator[McapRecord]:
-    """All records of the file's own level, chunks in one piece, with the checksum of the whole compared."""
+def scan(path: Path) -> Iterator[tuple[int, int, McapRecord]]:
+    """Begin, end and content of all records of the file's own level, chunks in one piece, and no byte after them.
+
+    The checksum of the data section is compared.
+    """
     from mcap.stream_reader import StreamReader  # noqa: PLC0415  # only recordings need it
 
     with _Bounded(io.FileIO(path)) as stream:
-        yield from StreamReader(stream, emit_chunks=True, validate_crcs=True, record_size_limit=None).records
+        begin = MAGIC_SIZE
+        for record in StreamReader(stream, emit_chunks=True, validate_crcs=True, record_size_limit=None).records:
+            yield begin, stream.tell(), record
+            begin = stream.tell()
+        if stream.read(1):
+            msg = f"recording: wanted nothing after byte {begin + MAGIC_SIZE}, found more"
+            raise RecordingError(msg)
+
+
+def parse(data: bytes) -> McapRecord | None:
+    """The one record, with its header, that `data` holds; None for a kind that is not known."""
+    from mcap.stream_reader import StreamReader  # noqa: PLC0415  # only recordings need it
+
+    reader = StreamReader(io.BytesIO(data), skip_magic=True, emit_chunks=True, record_size_limit=len(data))
+    return next(reader.records, None)
 
 
 class _Bounded(io.BufferedReader):
@@ -257,7 +302,17 @@ class _Bounded(io.BufferedReader):
 
 
 @contextlib.contextmanager
-def _naming(path: Path) -> Iterator[None]:
+def naming_version(version: str) -> Iterator[None]:
+    """Say which version wrote what cannot be made sense of, and what to do."""
+    try:
+        yield
+    except RecordingError as error:
+        msg = f"{error} (written by vdoor {version}); read it with that version, or record it again"
+        raise RecordingError(msg) from error
+
+
+@contextlib.contextmanager
+def naming(path: Path) -> Iterator[None]:
     """Turn what reading raises into a `RecordingError` that ends with the path."""
     import zstandard  # noqa: PLC0415  # only recordings need it
     from mcap.exceptions import EndOfFile, InvalidMagic, McapError  # noqa: PLC0415
@@ -265,7 +320,7 @@ def _naming(path: Path) -> Iterator[None]:
     try:
         yield
     except RecordingError as error:
-        msg = f"{error}: {path}"
+        msg = f"{printable(str(error))}: {path}"
         raise RecordingError(msg) from error
     except OSError as error:
         msg = f"recording: cannot be read ({error.strerror}): {path}"
@@ -277,7 +332,7 @@ def _naming(path: Path) -> Iterator[None]:
         msg = f"recording: wanted an MCAP file, found none: {path}"
         raise RecordingError(msg) from error
     except (McapError, zstandard.ZstdError, ValueError, OverflowError, MemoryError) as error:
-        msg = f"recording: damaged ({error}): {path}"
+        msg = f"recording: damaged ({printable(str(error))}): {path}"
         raise RecordingError(msg) from error
 
 

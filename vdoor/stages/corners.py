@@ -79,9 +79,7 @@ class FindCorners:
         Where the middle falls between two obstacle cells of a convex plateau (the end of a wall two cells thick),
         both cells are corners; a choice between them would not mirror with the map.
         """
-        cell_m = path.frame.resolution_m
-        # Never less than the longest step, or the two samples of a square corner would not see each other.
-        window_m = max(self.crack_window_m, 1.2 * cell_m) if path.on_cracks else max(self.window_m, 1.42 * cell_m)
+        window_m = self.reach_m(path)
         peak = peaks(path, curvature, candidates, window_m)
         sample, quarter = middles(path, candidates.sample[peak], candidates.convex[peak], window_m)
         order = np.argsort(sample, kind="stable")
@@ -96,6 +94,11 @@ class FindCorners:
             convex=convex[sample],
             frame=path.frame,
         )
+
+    def reach_m(self, path: BoundaryPath) -> float:
+        """The window on this path: at least one step, or the samples of a square corner would not see each other."""
+        cell_m = path.frame.resolution_m
+        return max(self.crack_window_m, 1.2 * cell_m) if path.on_cracks else max(self.window_m, 1.42 * cell_m)
 
 
 def cosine(curvature: Curvature) -> NDArray[np.float64]:

@@ -80,11 +80,11 @@ def merged(initial: InitialMap, problem: MergeProblem, removed: Bits) -> tuple[I
             state.open_if_idle(edge)
     # Asked again, since a dropped door may have been all that kept another from joining a third room.
     pairs = [
-        (edge, *pair)
+        (edge, one, other)
         for edge in range(problem.edges)
         if not state.removed[edge]
         for joined in state.open_if_idle(edge)
-        for pair in itertools.combinations(joined, 2)
+        for one, other in itertools.combinations(joined, 2)
     ]
     node = np.append(np.arange(problem.regions), problem.node_of_atom)
     room = np.array(state.room_of)
@@ -92,4 +92,5 @@ def merged(initial: InitialMap, problem: MergeProblem, removed: Bits) -> tuple[I
     of_room = np.zeros(room.max() + 1, np.int32)
     of_room[room[: problem.regions]] = number + 1
     room = np.where(room >= 0, of_room[room], 0).astype(np.int32)
-    return room[node], sorted((edge, *sorted((int(room[a]), int(room[b])))) for edge, a, b in pairs)
+    rows = [(edge, int(min(room[a], room[b])), int(max(room[a], room[b]))) for edge, a, b in pairs]
+    return room[node], sorted(rows)

@@ -19,6 +19,7 @@ from vdoor.files import partial_name
 from vdoor.grid import Source
 from vdoor.viz.rerun import style
 from vdoor.viz.rerun.draw import CELL_CLASSES, cell_classes
+from vdoor.viz.rerun.graphs import room_classes
 from vdoor.viz.rerun.scene import Scene, classes, pixels, strips
 from vdoor.viz.rerun.sink import errors_at, new_stream
 
@@ -30,6 +31,8 @@ FATES: dict[str, style.Colour] = {
     FALSE: (240, 130, 20),
     EXCUSED: (120, 122, 128),
 }
+NO_PARTNER = 65_535
+"""Class of rooms that are in no pair."""
 UNPAIRED: style.Colour = (90, 60, 70)
 LEGEND = """
 Doors: **green** hit, **red** missed, **orange** false, **grey** excused (nobody is sure there is none); thin green
@@ -47,6 +50,7 @@ def save_evaluations(path: Path, evaluations: Sequence[Evaluation]) -> None:
             partial.touch()
             stream.save(partial, default_blueprint=blueprint())
             scene = Scene(stream)
+            keep_classes(scene, evaluations)
             for step, evaluation in enumerate(evaluations):
                 scene.begin(step, evaluation.name)
                 draw_evaluation(scene, evaluation)
@@ -79,9 +83,18 @@ def blueprint() -> rrb.Blueprint:
     )
 
 
+def keep_classes(scene: Scene, evaluations: Sequence[Evaluation]) -> None:
+    """Names and colours of cells and rooms, for all maps."""
+    rooms = max(int(evaluation.division.rooms.max(initial=0)) for evaluation in evaluations)
+    rooms = max(rooms, *(evaluation.rooms.true for evaluation in evaluations if evaluation.rooms), 0)
+    scene.keep("evaluation/map", classes(CELL_CLASSES))
+    for side in ("found", "true"):
+        names = room_classes(rooms) | {NO_PARTNER: ("no partner", UNPAIRED)}
+        scene.keep(f"evaluation/{side}/rooms", classes(names))
+
+
 def draw_evaluation(scene: Scene, evaluation: Evaluation) -> None:
     """One map: its cells, its doors by their fate, its rooms by their pair, its figures."""
-    scene.keep("evaluation/map", classes(CELL_CLASSES))
     scene.raster("evaluation/map", cell_classes(evaluation.division.grid))
     size = max(evaluation.division.free.shape) / 400
     for fate, doors in fates(evaluation).items():
@@ -107,23 +120,18 @@ def draw_doors(scene: Scene, entity: str, doors: Doors, *, colour: style.Colour,
 
 
 def draw_rooms(scene: Scene, evaluation: Evaluation) -> None:
-    """Found and true rooms, each pair in one colour."""
-    found, true = evaluation.division.rooms, evaluation.reference.rooms
-    if evaluation.rooms is None or true is None:
-        true, colours = np.zeros_like(found), np.arange(found.max(initial=0) + 1)
+    """Found and true rooms by the number of the true one of their pair."""
+    found, true, score = evaluation.division.rooms, evaluation.reference.rooms, evaluation.rooms
+    if score is None or true is None:
+        sides = {"found": found, "true": np.zeros_like(found)}
     else:
-        colours = np.full(evaluation.rooms.found + 1, evaluation.rooms.true + 1)
-        colours[0] = 0
-        colours[evaluation.rooms.pairs[:, 1]] = evaluation.rooms.pairs[:, 0]
-        paired = np.isin(np.arange(evaluation.rooms.true + 1), [0, *evaluation.rooms.pairs[:, 0]])
-        true = np.where(paired[true], true, evaluation.rooms.true + 1)
-    last = int(max(colours.max(initial=0), true.max(initial=0)))
-    names = {0: ("no room", style.CLEAR)} | {room: (f"room {room}", style.room(room)) for room in range(1, last + 1)}
-    if evaluation.rooms is not None:
-        names[evaluation.rooms.true + 1] = ("no partner", UNPAIRED)
-    for side, labels in (("found", colours[found]), ("true", true)):
-        scene.log(f"evaluation/{side}/rooms", classes(names))
-        scene.raster(f"evaluation/{side}/rooms", labels.astype(np.uint16), order=1.0, opacity=0.85)
+        of_found = np.full(score.found + 1, NO_PARTNER)
+        of_true = np.full(score.true + 1, NO_PARTNER)
+        of_found[0] = of_true[0] = 0
+        of_true[score.pairs[:, 0]] = of_found[score.pairs[:, 1]] = score.pairs[:, 0]
+        sides = {"found": of_found[found], "true": of_true[true]}
+    for side, numbers in sides.items():
+        scene.raster(f"evaluation/{side}/rooms", numbers.astype(np.uint16), order=1.0, opacity=0.85)
     draw_shares(scene, evaluation)
 
 

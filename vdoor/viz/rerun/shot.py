@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import socket
 import subprocess
 import time
 from collections.abc import Iterator
@@ -15,7 +13,7 @@ from rerun.experimental import ViewerClient
 
 from vdoor.errors import VdoorError
 from vdoor.viz.rerun.blueprint import TABS
-from vdoor.viz.rerun.sink import HOST, listening, program
+from vdoor.viz.rerun.program import HOST, end, free_port, start, wait_until_listening
 
 START_S, LOAD_S, STEADY_S = 30.0, 120.0, 60.0
 NO_RENDERER = (
@@ -62,25 +60,16 @@ def open_tab(client: ViewerClient, tab: str) -> None:
 def headless(recording: Path, size: tuple[int, int]) -> Iterator[ViewerClient]:
     """A viewer without a window, once it has loaded the recording."""
     port = free_port()
-    words = ["--headless", "--bind", HOST, "--port", str(port), "--window-size", f"{size[0]}x{size[1]}"]
-    process = subprocess.Popen(  # noqa: S603  # our own program
-        [program(), *words, "--", recording],
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.DEVNULL,
-        env=os.environ | {"CI": "1"},  # no analytics
-    )
+    window = ("--window-size", f"{size[0]}x{size[1]}")
+    process = start("--headless", "--port", str(port), *window, "--memory-limit", "4GB", "--", recording)
     try:
-        until = time.monotonic() + START_S
-        while not listening(HOST, port):
-            if process.poll() is not None or time.monotonic() > until:
-                raise VdoorError(NO_RENDERER)
-            time.sleep(0.1)
+        if not wait_until_listening(process, port, START_S):
+            raise VdoorError(NO_RENDERER)
         client = ViewerClient.connect(f"rerun+http://{HOST}:{port}/proxy")
         wait_until_loaded(client, process, recording)
         yield client
     finally:
-        process.terminate()
-        process.wait()
+        end(process)
 
 
 def wait_until_loaded(client: ViewerClient, process: subprocess.Popen[bytes], recording: Path) -> None:
@@ -110,10 +99,3 @@ def steady(client: ViewerClient) -> bytes:
         before = png
         time.sleep(0.2)
     return before
-
-
-def free_port() -> int:
-    """A port nobody listens on."""
-    with socket.socket() as probe:
-        probe.bind((HOST, 0))
-        return int(probe.getsockname()[1])

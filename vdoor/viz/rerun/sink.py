@@ -5,10 +5,8 @@ from __future__ import annotations
 import hashlib
 import json
 import os
-import socket
 import subprocess
 import sys
-import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -21,10 +19,10 @@ from vdoor.errors import VdoorError
 from vdoor.record import Record
 from vdoor.viz.rerun.blueprint import DESCRIPTION, blueprint
 from vdoor.viz.rerun.draw import DRAW, draw_any
+from vdoor.viz.rerun.program import HOST, end, listening, start, wait_until_listening
 from vdoor.viz.rerun.scene import Scene
 
 APPLICATION = "vdoor"
-HOST = "127.0.0.1"
 GRPC_PORT, WEB_PORT = 9876, 9090
 PATIENCE_S = 10.0
 SWITCHED_OFF = ("0", "false", "off", "no")
@@ -82,13 +80,13 @@ class RerunSink:
     @classmethod
     def spawn(cls, info: RunInfo) -> RerunSink:
         """Open a viewer and draw in it; it stays open."""
-        start_program("--port", str(GRPC_PORT), port=GRPC_PORT)
+        start_viewer("--port", str(GRPC_PORT), port=GRPC_PORT)
         return cls.connect(f"{HOST}:{GRPC_PORT}", info)
 
     @classmethod
     def serve(cls, info: RunInfo) -> RerunSink:
         """Draw in a web viewer on this machine; `close` waits until it is interrupted."""
-        server = start_program(
+        server = start_viewer(
             "--serve-web", "--port", str(GRPC_PORT), "--web-viewer-port", str(WEB_PORT), port=GRPC_PORT
         )
         return cls._to(HOST, GRPC_PORT, info, server=server)
@@ -118,7 +116,7 @@ class RerunSink:
             try:
                 self._server.wait()
             finally:
-                self._server.terminate()
+                end(self._server)
 
 
 def new_stream(info: RunInfo) -> rr.RecordingStream:
@@ -155,41 +153,18 @@ def errors_at(path: Path | None) -> Iterator[None]:
 
 def open_viewer(recording: Path) -> None:
     """Show a recording in a viewer on this machine's screen, until it is closed."""
-    if subprocess.run([program(), "--bind", HOST, "--", recording], check=False).returncode:  # noqa: S603  # our own program
+    if start("--", recording, quiet=False).wait():
         raise VdoorError(f"view: the viewer did not start or ended badly: {recording}")
 
 
-def program() -> Path:
-    """The `rerun` program that was installed with the library."""
-    return Path(sys.executable).with_name("rerun")
-
-
-def listening(host: str, port: int) -> bool:
-    """Whether somebody takes connections there."""
-    try:
-        with socket.create_connection((host, port), timeout=2.0):
-            return True
-    except OSError:
-        return False
-
-
-def start_program(*words: str, port: int) -> subprocess.Popen[bytes]:
-    """The `rerun` program, bound to this machine, once it listens."""
+def start_viewer(*words: str, port: int) -> subprocess.Popen[bytes]:
+    """A viewer or server, once it listens."""
     if listening(HOST, port):
         raise VdoorError(f"viewer: port {port} of {HOST} is taken; use --connect {HOST}:{port} if that is a viewer")
-    process = subprocess.Popen(  # noqa: S603  # our own program
-        [program(), "--bind", HOST, *words],
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.DEVNULL,
-        start_new_session=True,
-    )
-    until = time.monotonic() + PATIENCE_S
-    while not listening(HOST, port):
-        if process.poll() is not None or time.monotonic() > until:
-            process.terminate()
-            raise VdoorError(
-                "viewer: the program `rerun` did not start; on a machine without a screen use --save, "
-                "or --serve and a browser"
-            )
-        time.sleep(0.1)
+    process = start(*words)
+    if not wait_until_listening(process, port, PATIENCE_S):
+        end(process)
+        raise VdoorError(
+            "viewer: the program `rerun` did not start; without a screen use --save, or --serve and a browser"
+        )
     return process

@@ -1,0 +1,103 @@
+"""A small real run and its recording, and the command called within the test."""
+
+from __future__ import annotations
+
+import dataclasses
+import functools
+import json
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import pytest
+
+import vdoor.cli
+from vdoor.config import settings_of
+from vdoor.emit import RunInfo
+from vdoor.goldens import drawing
+from vdoor.pipeline import PRESETS, RECORDS, SEARCHES
+from vdoor.record import Record
+from vdoor.recording.mcap import McapSink, read_recording
+from vdoor.stages.search import GeneticSearch
+
+MAP = """
+    ################
+    #......#.......#
+    #......#.......#
+    #..............#
+    #..............#
+    #......#.......#
+    #......#.......#
+    ################
+"""
+PIPELINE = dataclasses.replace(PRESETS["paper"], search=GeneticSearch(population=8, generations=3))
+
+
+@functools.cache
+def small_run() -> tuple[RunInfo, tuple[Record, ...]]:
+    """Give what a run on two rooms was, and its records: one a stage, and four generations."""
+    grid = drawing(MAP)()
+    settings = settings_of(PIPELINE, {"search": SEARCHES})
+    records: list[Record] = []
+
+    def emit(record: Any, /) -> Any:
+        records.append(record)
+        return record
+
+    PIPELINE(grid, np.random.default_rng(5), emit)
+    return RunInfo(version="0.1.0", preset="paper", seed=5, settings=settings, source=grid.source), tuple(records)
+
+
+def write(path: Path, records: Sequence[Record], info: RunInfo | None = None) -> Path:
+    sink = McapSink(path, info or small_run()[0])
+    for step, record in enumerate(records):
+        sink.write(step, record)
+    sink.close()
+    return path
+
+
+def small(path: Path) -> Path:
+    return write(path, small_run()[1])
+
+
+def altered(topic: str, field: str, index: Any, change: Any) -> list[Record]:
+    """Give the records of the small run with one element of the first record of a stage changed."""
+    records = list(small_run()[1])
+    at = next(i for i, record in enumerate(records) if record.topic == topic)
+    values = np.array(getattr(records[at], field))
+    values[index] = change(values[index])
+    records[at] = dataclasses.replace(records[at], **{field: values})  # type: ignore[type-var]  # a dataclass
+    return records
+
+
+def read(path: Path) -> list[Record]:
+    return [record for _, record in read_recording(path, types=RECORDS)]
+
+
+class Done(NamedTuple):
+    code: int
+    out: str
+    err: str
+
+    @property
+    def json(self) -> Any:
+        return json.loads(self.out)
+
+
+class Command:
+    """The command, called in this process: an error that it does not catch fails the test."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+        self._monkeypatch, self._capsys = monkeypatch, capsys
+
+    def __call__(self, *words: str | Path) -> Done:
+        self._capsys.readouterr()
+        self._monkeypatch.setattr(sys, "argv", ["vdoor", *map(str, words)])
+        code: Any = 0
+        try:
+            vdoor.cli.main()
+        except SystemExit as stopped:
+            code = stopped.code or 0
+        return Done(int(code), *self._capsys.readouterr())

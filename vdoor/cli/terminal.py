@@ -1,0 +1,148 @@
+"""`vdoor show`, `vdoor step` and `vdoor why`: debugging a recording in a terminal."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from vdoor.cli.options import Json
+from vdoor.errors import SettingError
+from vdoor.say import say
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from vdoor.history import History
+
+RecordingFile = Annotated[Path, typer.Argument(metavar="REC.mcap", help="Recording made with `vdoor run --mcap`.")]
+PIPE_COLUMNS = 120
+FRAME_LINES = 6
+"""Lines of a screen that a map leaves free for its title, its legend and the prompt."""
+ALL = 10**6
+TERMINAL_ROWS = 40
+
+
+def show(
+    recording: RecordingFile,
+    *,
+    stage: Annotated[str | None, typer.Option(metavar="STAGE", help="One stage by its name, or `all`.")] = None,
+    step: Annotated[int | None, typer.Option(min=0, metavar="N", help="The record of one step.")] = None,
+    rows: Annotated[int | None, typer.Option(min=1, help="Rows of a table at most (terminal: 40, pipe: all).")] = None,
+) -> None:
+    """Draw a recording's stages in the terminal; without options what it holds and how it ended."""
+    from vdoor.viz.terminal.show import overview
+
+    run, console = _read(recording), _console()
+    topic, generation = _chosen(run, stage, step)
+    if topic is None:
+        console.print(*overview(run), sep="\n")
+        topic = run.stages[-1]
+    _print_stages(run, console, run.stages if topic == "all" else (topic,), generation=generation, rows=rows)
+
+
+def _print_stages(
+    run: History, console: Console, topics: Sequence[str], *, generation: int | None = None, rows: int | None = None
+) -> None:
+    from vdoor.viz.terminal.show import stage_view
+    from vdoor.viz.terminal.tables import Limits
+
+    lines = max(console.height - FRAME_LINES, FRAME_LINES) if console.is_terminal else ALL
+    limits = Limits(lines=lines, rows=rows or (TERMINAL_ROWS if console.is_terminal else ALL))
+    for topic in topics:
+        for part in stage_view(run, topic, generation, limits):
+            console.print(part)
+
+
+def step(recording: RecordingFile) -> None:
+    """Walk through a recording with keys: stages, samples, doors, generations; `?` lists them."""
+    import sys
+
+    from vdoor.outputs import interruptible
+
+    run, console = _read(recording), _console()
+    if not (console.is_terminal and sys.stdin.isatty()) or console.is_dumb_terminal:
+        say("step: this is no terminal that keys could be read from; here are the stages as text")
+        _print_stages(run, console, run.stages)
+        return
+    from vdoor.viz.terminal.stepper import Stepper
+
+    with interruptible():
+        Stepper(run).walk(console)
+
+
+def why(
+    recording: RecordingFile,
+    *,
+    at: Annotated[str, typer.Option(metavar="X,Y", help="Where, m in the map frame.")],
+    cells: Annotated[bool, typer.Option("--cells", help="--at is COL,ROW of the map instead.")] = False,
+    count: Annotated[int, typer.Option(min=1, metavar="N", help="How many of each kind.")] = 3,
+    as_json: Json = False,
+) -> None:
+    """Tell why there is a door at a place, or none: each stage's decision about what lies nearest to it."""
+    import dataclasses
+    import json
+
+    from vdoor.why import explain
+    from vdoor.why.text import to_lines
+
+    run = _read(recording)
+    answer = explain(run, _point(run, at, cells=cells), count=count)
+    print(json.dumps(dataclasses.asdict(answer)) if as_json else "\n".join(to_lines(answer)))
+
+
+def _point(run: History, text: str, *, cells: bool) -> tuple[float, float]:
+    """X,Y in the map frame from the command line."""
+    import numpy as np
+
+    try:
+        x, y = (float(part) for part in text.split(","))
+    except ValueError:
+        raise SettingError(f"--at: wanted {'COL,ROW' if cells else 'X,Y'}, found {text!r}") from None
+    if not (np.isfinite(x) and np.isfinite(y)):
+        raise SettingError(f"--at: wanted finite numbers, found {text!r}")
+    if not cells:
+        return x, y
+    x_m, y_m = run.input.frame.world_from_cell(np.array([[y, x]]))[0].tolist()
+    return x_m, y_m
+
+
+def _read(path: Path) -> History:
+    from vdoor.history import History
+    from vdoor.pipeline import RECORDS
+    from vdoor.recording.mcap import read_recording
+
+    run = History.read(read_recording(path, types=RECORDS))
+    if run.damage:
+        say(run.damage)
+    return run
+
+
+def _console() -> Console:
+    """Where results are printed: the terminal, or plain text of a fixed width where there is none."""
+    import os
+
+    from rich.console import Console
+
+    console = Console(highlight=False, markup=False, emoji=False)
+    if not console.is_terminal and "COLUMNS" not in os.environ:
+        console.width = PIPE_COLUMNS
+    return console
+
+
+def _chosen(run: History, stage: str | None, step: int | None) -> tuple[str | None, int | None]:
+    """The stage that was asked for, and which generation where one was."""
+    from vdoor.history import SEARCH, STAGES
+
+    if stage is not None and stage not in (*STAGES, "all"):
+        raise SettingError(f"--stage: wanted one of {', '.join(STAGES)} or all, found {stage!r}")
+    if stage not in (None, "all", *run.stages):
+        raise SettingError(f"--stage: {stage} was not recorded, the last one is {run.stages[-1]}: {run.file}")
+    if step is None:
+        return stage, None
+    topic, index = run.stage_of(step)
+    if stage not in (None, topic):
+        raise SettingError(f"--step: step {step} belongs to {topic}, not to {stage}: {run.file}")
+    return topic, index if topic == SEARCH else None

@@ -1,0 +1,148 @@
+"""Golden recordings: small maps of known kinds, recorded once, so that a change of any result is noticed."""
+
+from __future__ import annotations
+
+import tempfile
+import textwrap
+from collections.abc import Callable, Iterator
+from operator import itemgetter
+from pathlib import Path
+
+import numpy as np
+
+from vdoor import __version__
+from vdoor.config import replaced, settings_of
+from vdoor.emit import Recorder, RunInfo
+from vdoor.errors import RecordingError
+from vdoor.files import make_folder, partial_name
+from vdoor.formats import read_map, read_source
+from vdoor.grid import OccupancyGrid, Source
+from vdoor.pipeline import RECORDS, SEARCHES, preset_named
+from vdoor.recording.diff import compare, runs_that_differ
+from vdoor.recording.mcap import McapSink, read_recording
+from vdoor.recording.printable import printable
+from vdoor.recording.report import lines, setting_line
+from vdoor.synth import PRESETS, synthesize, write_synthetic
+
+PRESET, SEED = "paper", 0
+NAMES = ("before", "now")
+GREYS = {".": 254, "#": 0, "?": 205}
+CELL_M = 0.2
+
+ISLANDS = """
+    ##########################
+    #............#...........#
+    #............#...........#
+    #...##.......#....#......#
+    #...##...................#
+    #.........#..............#
+    #............#......###..#
+    #...#........#......###..#
+    #............#...........#
+    ##########################
+"""
+CROSSING = """
+    ????#...#????
+    ????#...#????
+    ????#...#????
+    #####...#####
+    .............
+    .............
+    .............
+    #####...#####
+    ????#...#????
+    ????#...#????
+    ????#...#????
+"""
+ONE_ROOM = """
+    ############
+    #..........#
+    #..........#
+    #..........#
+    #..........#
+    #..........#
+    #..........#
+    ############
+"""
+
+
+def drawing(text: str) -> Callable[[], OccupancyGrid]:
+    """What makes the map of a drawing: ``.`` free, ``#`` occupied, ``?`` unknown."""
+
+    def make() -> OccupancyGrid:
+        rows = textwrap.dedent(text).split()
+        pixels = bytes(GREYS[sign] for row in rows for sign in row)
+        pgm = f"P5\n{len(rows[0])} {len(rows)}\n255\n".encode() + pixels
+        return read_source(Source(files=(("map.pgm", pgm),), options={"resolution_m": CELL_M, "unknown_value": 205}))
+
+    return make
+
+
+def apartment(seed: int, **settings: float | bool) -> Callable[[], OccupancyGrid]:
+    """What makes the map of a synthetic apartment of the paper's kind, with some settings of its own."""
+
+    def make() -> OccupancyGrid:
+        kind = replaced(PRESETS["paper"], settings, "golden map")
+        with tempfile.TemporaryDirectory() as folder:
+            write_synthetic(synthesize(kind, np.random.default_rng(seed)), Path(folder) / "map", seed=seed)
+            return read_map(Path(folder) / "map.yaml")
+
+    return make
+
+
+MAPS: dict[str, Callable[[], OccupancyGrid]] = {
+    "plain": apartment(1, speckles=0.0, juts_per_room=0.0, wall_noise=0.0, windows=0.0),
+    "furnished": apartment(2, furniture=True),
+    "noisy": apartment(3, speckles=60.0, juts_per_room=4.0, wall_noise=0.2, windows=4.0),
+    "rotated": apartment(4, rotation_deg=30.0, cell_m=0.1),
+    "crossing": drawing(CROSSING),
+    "islands": drawing(ISLANDS),
+    "one-room": drawing(ONE_ROOM),
+}
+"""The golden recordings by name."""
+
+
+def remade(folder: Path) -> Iterator[str]:
+    """Record all golden maps anew in `folder`; what differs from the recordings that were there, as lines of text."""
+    make_folder(folder)
+    for name, make in MAPS.items():
+        path = folder / f"{name}.mcap"
+        partial = record(make(), partial_name(path))
+        yield from _changes(name, path, partial)
+        partial.replace(path)
+
+
+def record(grid: OccupancyGrid, path: Path) -> Path:
+    """Run the golden preset on a grid and record it."""
+    pipeline = preset_named(PRESET)
+    settings = settings_of(pipeline, {"search": SEARCHES})
+    info = RunInfo(version=__version__, preset=PRESET, seed=SEED, settings=settings, source=grid.source)
+    try:
+        sink = McapSink(path, info)
+        pipeline(grid, np.random.default_rng(SEED), Recorder([sink]))
+        sink.close()
+    except BaseException:
+        path.unlink(missing_ok=True)
+        raise
+    return path
+
+
+def _changes(name: str, old: Path, new: Path) -> Iterator[str]:
+    """What differs between a recording that was there and the new one."""
+    size = f"{new.stat().st_size / 1000:.0f} kB"
+    if not old.exists():
+        yield f"{name}: new, {size}"
+        return
+    if old.read_bytes() == new.read_bytes():
+        yield f"{name}: unchanged, {size}"
+        return
+    try:
+        runs = [read_recording(path, types=RECORDS) for path in (old, new)]
+        settings = runs_that_differ(runs[0].info, runs[1].info)
+        report = compare(*(map(itemgetter(1), run) for run in runs), types=RECORDS)
+    except RecordingError as error:
+        yield printable(f"{name}: replaced, {size}; the one before cannot be compared: {error}")
+        return
+    found = [*(setting_line(setting, NAMES) for setting in settings), *lines(report, NAMES)]
+    yield f"{name}: changed, {size}" if found else f"{name}: the same records in other bytes, {size}"
+    yield from (f"  {line}" for line in found)

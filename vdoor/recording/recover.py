@@ -1,0 +1,121 @@
+"""A whole recording made of what a damaged one still holds."""
+
+from __future__ import annotations
+
+from collections import Counter, deque
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from vdoor.errors import RecordingError
+from vdoor.files import partial_name
+from vdoor.record import Record
+from vdoor.recording import about, codec
+from vdoor.recording.check import lost
+from vdoor.recording.mcap import METADATA, McapSink, Topics, decoded, find, naming, step_of
+from vdoor.recording.salvage import salvage
+
+
+@dataclass(frozen=True, kw_only=True)
+class Recovery:
+    """What came back of a recording."""
+
+    records: dict[str, int]
+    """Records that came back, by topic; without any, no file was written."""
+    damage: tuple[str, ...]
+    """What was lost beside records, one line each."""
+    missing: tuple[str, ...]
+    """Stages without a record, and gaps between records."""
+
+
+def recover(path: Path, out: Path, *, types: Sequence[type[Record]]) -> Recovery:
+    """Write what is whole in the recording at `path`, with records of `types`, as a new recording `out`.
+
+    Raises `RecordingError` where the one cannot be read or is of another schema, or the other cannot be written; then
+    no file is left.
+    """
+    contents = _Contents(path)
+    with naming(path):
+        info, damage = about.salvaged(contents.text, contents.files)
+    partial, steps = partial_name(out), list[tuple[int, str]]()
+    while partial.exists():  # likely the very file that is to be recovered
+        partial = partial_name(partial)
+    sink: McapSink | None = None
+    try:
+        for step, record in contents.records({record.topic: record for record in types}):
+            sink = sink or McapSink(partial, info)
+            sink.write(step, record)
+            steps.append((step, record.topic))
+        if sink is not None:
+            sink.close()
+            partial.replace(out)
+    except BaseException:
+        partial.unlink(missing_ok=True)
+        raise
+    missing = lost(steps, [record.topic for record in types])
+    return Recovery(
+        records=dict(Counter(topic for _, topic in steps)),
+        damage=(*damage, *contents.damage()),
+        missing=tuple(missing),
+    )
+
+
+class _Contents:
+    """What a file still holds."""
+
+    def __init__(self, path: Path) -> None:
+        self.text: Mapping[str, str] | None = None
+        self.files: list[tuple[str, bytes]] = []
+        self._path = path
+        self._topics = Topics()
+        self._bytes_lost = 0
+        self._refused: list[str] = []
+        for found in salvage(path):
+            if isinstance(found, int):
+                self._bytes_lost += found
+            else:
+                for item in found:
+                    self._take(item)
+
+    def damage(self) -> Iterator[str]:
+        """What is lost beside the run's own words, one line each."""
+        if self._bytes_lost:
+            yield f"{self._bytes_lost} bytes that make no whole record of the file"
+        yield from dict.fromkeys(self._refused)
+
+    def records(self, known: Mapping[str, type[Record]]) -> Iterator[tuple[int, Record]]:
+        """Pairs of step and record of all records whose parts are whole."""
+        gathered: dict[str, bytes] = {}
+        last, at = -1, (-1, "")
+        for topic, name, message in self._messages():
+            try:
+                kind, part = find(topic, name, known=known)
+                here = (step_of(topic, message.log_time), kind.topic)
+                if here != at:
+                    gathered, at = {}, here
+                gathered[part] = message.data
+                if here[0] <= last or gathered.keys() != codec.parts(kind).keys():
+                    continue
+                record = decoded(kind, gathered)
+            except RecordingError as error:
+                self._refused.append(str(error))
+                continue
+            last = here[0]
+            yield last, record
+            del record  # or it would stay in memory while the next one is read
+
+    def _take(self, item: Any) -> None:
+        """Learn what is no message; messages are read the second time, when all channels are known."""
+        kind = type(item).__name__
+        if kind == "Metadata" and item.name == METADATA:
+            self.text = self.text or item.metadata
+        elif kind == "Attachment":
+            self.files.append((item.name, item.data))
+        elif kind != "Message":
+            deque(self._topics.parts(item), maxlen=0)
+
+    def _messages(self) -> Iterator[tuple[str, str, Any]]:
+        for found in salvage(self._path):
+            for item in () if isinstance(found, int) else found:
+                yield from self._topics.parts(item)

@@ -1,0 +1,137 @@
+"""What each stage of a recorded run puts on the map, and its plots."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vdoor.grid import FREE, OCCUPIED, UNKNOWN
+from vdoor.history import History
+from vdoor.stages.doors import PROPOSED
+from vdoor.stages.simplify import REASONS
+from vdoor.viz.terminal.canvas import Canvas
+from vdoor.viz.terminal.plot import Curve, Plot
+
+SHARP_DEG = 90.0
+NEARBY = 40
+"""Samples to either side in a plot around one of them."""
+INK_OF_REASON = {
+    "unreachable": "unreachable",
+    "jut": "jut flattened",
+    "notch": "notch filled",
+    "island": "island removed",
+}
+
+
+def drawn(run: History, topic: str, generation: int = -1) -> Canvas:
+    """One stage on the map; for the search the best string of one generation."""
+    if topic == "input":
+        cells = np.where(run.input.free, FREE, np.where(run.input.occupied, OCCUPIED, UNKNOWN))
+        return Canvas.of(cells)
+    if topic == "map":
+        return _drawn_map(run)
+    canvas = Canvas.of(run.simplified.cells)
+    if topic == "generation":
+        return _drawn_choice(run, canvas, generation)
+    return DRAWN[topic](run, canvas)
+
+
+def _drawn_simplified(run: History, canvas: Canvas) -> Canvas:
+    for word, ink in INK_OF_REASON.items():
+        canvas.fill(ink, run.simplified.reason == REASONS.index(word))
+    return canvas
+
+
+def _drawn_curvature(run: History, canvas: Canvas) -> Canvas:
+    angle_deg = np.degrees(run.curvature.angle_rad)
+    canvas.paint("bend", run.curvature.cell[angle_deg < run.pipeline.candidates.angle_deg])
+    return canvas.paint("sharp bend", run.curvature.cell[angle_deg < SHARP_DEG])
+
+
+def _drawn_candidates(run: History, canvas: Canvas) -> Canvas:
+    found = run.candidates
+    canvas.paint("concave candidate", found.cell[~found.convex])
+    return canvas.paint("convex candidate", found.cell[found.convex])
+
+
+def _drawn_corners(run: History, canvas: Canvas) -> Canvas:
+    corners = run.corners
+    canvas.paint("concave corner", corners.cell[~corners.convex])
+    return canvas.paint("convex corner", corners.cell[corners.convex])
+
+
+def _drawn_doors(run: History, canvas: Canvas) -> Canvas:
+    doors = run.doors
+    _drawn_corners(run, canvas)
+    rejected = doors.verdict != PROPOSED
+    canvas.line("rejected door", doors.start[rejected], doors.end[rejected])
+    return canvas.paint("door", doors.line_cell)
+
+
+def _drawn_initial(run: History, canvas: Canvas) -> Canvas:
+    initial = run.initial
+    in_region = (initial.piece > 0) & (initial.piece <= len(initial.area_m2))
+    canvas.tint(initial.piece - 1, in_region)
+    canvas.line("door", initial.start, initial.end)
+    return canvas.write(initial.centre, map(str, range(len(initial.centre))))
+
+
+def _drawn_choice(run: History, canvas: Canvas, generation: int) -> Canvas:
+    """The doors that a generation's best string keeps and removes, rooms in the colours of what is open."""
+    initial, removed = run.initial, run.search[generation].removed
+    room, is_open = run.problem.rooms(removed[None])
+    node = np.append(np.arange(run.problem.regions), run.problem.node_of_atom)
+    _, number = np.unique(np.where(is_open[0], room[0], -1)[node], return_inverse=True)
+    of_piece = np.append(0, number)
+    canvas.tint(of_piece[initial.piece], initial.piece > 0)
+    canvas.line("removed door", initial.start[removed], initial.end[removed])
+    return canvas.line("door", initial.start[~removed], initial.end[~removed])
+
+
+def _drawn_map(run: History) -> Canvas:
+    """Rooms at the input's resolution, doors and the rooms' numbers over them."""
+    found, canvas = run.topology, drawn(run, "input")
+    canvas.tint(found.labels, found.labels > 0)
+    start, end = (found.frame.cell_from_world(points_m) for points_m in (found.start_m, found.end_m))
+    canvas.line("door", start, end)
+    canvas.paint("door", np.concatenate([start, end])[np.tile(found.edge < 0, 2)])
+    return canvas.write(found.centre, map(str, range(1, len(found.centre) + 1)))
+
+
+DRAWN: dict[str, Callable[[History, Canvas], Canvas]] = {
+    "simplified": _drawn_simplified,
+    "path": lambda run, canvas: canvas.paint("path", run.path.free_cell),
+    "curvature": _drawn_curvature,
+    "candidates": _drawn_candidates,
+    "corners": _drawn_corners,
+    "doors": _drawn_doors,
+    "initial_map": _drawn_initial,
+}
+
+
+def curvature_plot(run: History, lines: int, chosen: int | None = None) -> Plot:
+    """The angle along the path, contour after contour, with the threshold; around one sample if one is chosen."""
+    first, last = (0, None) if chosen is None else (max(chosen - NEARBY, 0), chosen + NEARBY + 1)
+    angle_deg, level = np.degrees(run.curvature.angle_rad[first:last]), run.pipeline.candidates.angle_deg
+    below, above = np.where(angle_deg < level, angle_deg, np.nan), np.where(angle_deg < level, np.nan, angle_deg)
+    curves = [
+        Curve("candidate", below, "*", "bold red", _least),
+        Curve("straight", above, ".", "bright_black", _least),
+    ]
+    return Plot(curves, lines, " deg", span=(0.0, 180.0), level=level, across="sample", first=first, chosen=chosen)
+
+
+def _least(values: NDArray[np.float64]) -> float:
+    finite = values[~np.isnan(values)]
+    return float(finite.min()) if len(finite) else float("nan")
+
+
+def cost_plot(run: History, lines: int, chosen: int | None = None) -> Plot:
+    """Best and mean cost, generation by generation."""
+    curves = [
+        Curve("best", run.search.numbers("best_cost"), "*", "bold green"),
+        Curve("mean", run.search.numbers("mean_cost"), ".", "bright_black", np.mean),
+    ]
+    return Plot(curves, lines, across="generation", chosen=chosen)

@@ -1,0 +1,205 @@
+"""The numbers of each stage of a recorded run, as tables and plots."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from rich.console import RenderableType
+from rich.table import Table
+from rich.text import Text
+
+from vdoor.history import History
+from vdoor.stages.doors import KINDS, PROPOSED, VERDICTS, VirtualDoors
+from vdoor.stages.rooms import InitialMap
+from vdoor.stages.simplify import REASONS
+from vdoor.viz.terminal.scene import cost_plot, curvature_plot
+
+Ints = NDArray[np.int32]
+
+
+COURSE = ("generation", "evaluations", "best", "mean", "worst", "small", "AreaSD m2", "DegSD deg", "kept", "changes")
+
+
+@dataclass(frozen=True)
+class Limits:
+    """How much may be printed: lines of a picture, rows of a table."""
+
+    lines: int
+    rows: int
+
+
+def table(*columns: str) -> Table:
+    """An empty table without lines, numbers and all to the left, so that it reads in a pipe as well."""
+    made = Table(box=None, pad_edge=False, header_style="bold", padding=(0, 2, 0, 0))
+    for column in columns:
+        made.add_column(column, overflow="fold")
+    return made
+
+
+def _more(count: int, limits: Limits) -> Iterator[RenderableType]:
+    if count > limits.rows:
+        yield Text(f"... {count - limits.rows} more; --rows {count} prints all", style="dim")
+
+
+def _sizes(doors: VirtualDoors | InitialMap, row: int) -> list[str]:
+    tilt_deg = np.degrees(doors.tilt_rad[row])
+    return [f"{doors.length_m[row]:.2f}", f"{doors.width_m[row]:.2f}", f"{tilt_deg:.1f}"]
+
+
+def point(run: History, cell: Ints) -> str:
+    """A working cell as x,y in metres."""
+    x_m, y_m = run.simplified.frame.world_from_cell(cell)[0].tolist()
+    return f"{x_m:.2f},{y_m:.2f}"
+
+
+def _simplified_details(run: History, _: int | None, limits: Limits) -> Iterator[RenderableType]:
+    rows = table("why", "cells", "m2", "what it means")
+    area_m2 = run.simplified.frame.resolution_m**2
+    meaning = {
+        "unreachable": "free or occupied, but not where the robot can be or beside it: unknown now",
+        "jut": "a short bump of a wall, free now",
+        "notch": "a short dent of a wall, occupied now",
+        "island": "an obstacle standing free, small enough to be furniture: free now",
+    }
+    del limits
+    for word, means in meaning.items():
+        count = int((run.simplified.reason == REASONS.index(word)).sum())
+        if count:
+            rows.add_row(word, str(count), f"{count * area_m2:.2f}", means)
+    if rows.row_count:
+        yield rows
+
+
+def _curvature_details(run: History, _: int | None, limits: Limits) -> Iterator[RenderableType]:
+    del limits
+    yield curvature_plot(run, 13)
+
+
+def _corner_details(run: History, _: int | None, limits: Limits) -> Iterator[RenderableType]:
+    rows = table("corner", "kind", "angle deg", "sample", "x,y m", "working cell col,row")
+    corners = run.corners
+    for row in range(min(len(corners.sample), limits.rows)):
+        kind = "convex" if corners.convex[row] else "concave"
+        angle = f"{np.degrees(corners.angle_rad[row]):.1f}"
+        cell = corners.cell[row]
+        rows.add_row(str(row), kind, angle, str(corners.sample[row]), point(run, cell), f"{cell[1]},{cell[0]}")
+    yield rows
+    yield from _more(len(corners.sample), limits)
+
+
+def _door_details(run: History, _: int | None, limits: Limits) -> Iterator[RenderableType]:
+    doors = run.doors
+    order = np.lexsort((np.arange(len(doors.verdict)), doors.verdict))
+    rows = table("door", "verdict", "kind", "length m", "width m", "tilt deg", "from x,y m", "to x,y m", "corners")
+    for row in order[: limits.rows].tolist():
+        ends = [point(run, cell) for cell in (doors.start[row], doors.end[row])]
+        corners = f"{doors.corner_start[row]}" + (f" {doors.corner_end[row]}" if doors.corner_end[row] >= 0 else "")
+        verdict = Text(VERDICTS[doors.verdict[row]], style="green" if doors.verdict[row] == PROPOSED else "red")
+        rows.add_row(str(row), verdict, KINDS[doors.kind[row]], *_sizes(doors, row), *ends, corners)
+    yield rows
+    yield from _more(len(order), limits)
+
+
+def _initial_details(run: History, _: int | None, limits: Limits) -> Iterator[RenderableType]:
+    initial = run.initial
+    rows = table("edge", "door", "kind", "length m", "width m", "tilt deg", "from x,y m", "to x,y m", "borders regions")
+    for edge in range(min(len(initial.door), limits.rows)):
+        ends = [point(run, cell) for cell in (initial.start[edge], initial.end[edge])]
+        regions = " ".join(map(str, initial.border_region[initial.border_edge == edge]))
+        rows.add_row(
+            str(edge), str(initial.door[edge]), KINDS[initial.kind[edge]], *_sizes(initial, edge), *ends, regions
+        )
+    yield rows
+    yield from _more(len(initial.door), limits)
+
+
+def _search_details(run: History, generation: int | None, limits: Limits) -> Iterator[RenderableType]:
+    last = len(run.search) - 1 if generation is None else generation
+    yield cost_plot(run, 10, generation)
+    yield terms(run, last)
+    yield Text(f"best string, 1 = removed: {string(run.search[last].removed)}\n", overflow="fold")
+    rows = table(*COURSE)
+    changes = _changes(run) if generation is None else [generation]
+    for number in changes[: limits.rows]:
+        found = run.search[number]
+        costs = [f"{cost:.4f}" for cost in (found.best_cost, found.mean_cost, found.worst_cost)]
+        sizes = [str(found.small_rooms), f"{found.area_sd_m2:.3f}", f"{found.tilt_sd_deg:.3f}"]
+        kept = str(int((~found.removed).sum()))
+        rows.add_row(str(found.number), str(found.evaluations), *costs, *sizes, kept, flips(run, number))
+    if generation is None:
+        yield Text("generations in which the best string changed (+ edge kept again, - edge removed):")
+    yield rows
+    yield from _more(len(changes), limits)
+
+
+def _changes(run: History) -> list[int]:
+    """The first generation and all whose best string is another than the one before."""
+    changed, before = [], b""
+    for number, generation in enumerate(run.search):
+        if not number or generation.removed.tobytes() != before:
+            changed.append(number)
+        before = generation.removed.tobytes()
+    return changed
+
+
+def flips(run: History, generation: int) -> str:
+    """Edges that the best string keeps and did not in the generation before (+), and the other way round (-)."""
+    if not generation:
+        return ""
+    removed, before = run.search[generation].removed, run.search[generation - 1].removed
+    return " ".join(f"{'-' if removed[edge] else '+'}{edge}" for edge in np.flatnonzero(removed != before).tolist())
+
+
+def string(removed: NDArray[np.bool_]) -> str:
+    """A choice as printed in the paper: a bit a door, 1 = removed."""
+    return "".join("01"[bit] for bit in removed.astype(int))
+
+
+def terms(run: History, generation: int) -> Text:
+    """Eq. 7 of the best string of one generation, with its numbers in."""
+    found, cost = run.search[generation], run.pipeline.cost
+    parts = (
+        (cost.small_weight, found.small_rooms, "small rooms"),
+        (cost.area_weight_per_m2, found.area_sd_m2, "m2 AreaSD"),
+        (cost.tilt_weight_per_deg, found.tilt_sd_deg, "deg DegSD"),
+    )
+    text = Text(f"generation {found.number}: cost {found.best_cost:.6f} = ", style="bold")
+    return text.append(" + ".join(f"{weight:g} x {value:.6g} {name}" for weight, value, name in parts), "not bold")
+
+
+def _map_details(run: History, _: int | None, limits: Limits) -> Iterator[RenderableType]:
+    rooms = table("room", "area m2", "centre x,y m", "neighbours")
+    for each in run.topology.rooms[: limits.rows]:
+        centre = f"{each.centre_m[0]:.2f},{each.centre_m[1]:.2f}"
+        rooms.add_row(str(each.id), f"{each.area_m2:.2f}", centre, " ".join(map(str, each.neighbours)) or "none")
+    yield rooms
+    yield from _more(len(run.topology.area_m2), limits)
+    doors = table("door", "rooms", "kind", "width m", "length m", "tilt deg", "middle x,y m", "edge")
+    for door in run.topology.doors[: limits.rows]:
+        middle = ",".join(f"{(one + other) / 2:.2f}" for one, other in zip(door.start_m, door.end_m, strict=True))
+        sizes = [f"{door.width_m:.2f}", f"{door.length_m:.2f}", f"{door.tilt_deg:.1f}"]
+        edge = run.topology.edge[door.id - 1]
+        doors.add_row(
+            str(door.id),
+            f"{door.rooms[0]} {door.rooms[1]}",
+            door.kind,
+            *sizes,
+            middle,
+            str(edge) if edge >= 0 else "none",
+        )
+    yield doors
+    yield from _more(len(run.topology.kind), limits)
+
+
+DETAILS: dict[str, Callable[[History, int | None, Limits], Iterator[RenderableType]]] = {
+    "simplified": _simplified_details,
+    "curvature": _curvature_details,
+    "corners": _corner_details,
+    "doors": _door_details,
+    "initial_map": _initial_details,
+    "generation": _search_details,
+    "map": _map_details,
+}

@@ -1,0 +1,170 @@
+"""An answer as text for people."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+
+from vdoor.grid import FREE_TO, OCCUPIED_FROM
+from vdoor.why import Answer, Place
+from vdoor.why.bends import CornerFate, Sample
+from vdoor.why.doors import DoorFate
+from vdoor.why.near import Point
+
+REASONS = {
+    "unreachable": "not where the robot can be, nor a wall beside that",
+    "jut": "a short bump of a wall, flattened: free now",
+    "notch": "a short dent of a wall, filled: occupied now",
+    "island": "an obstacle standing free, removed: free now",
+}
+
+
+def to_lines(answer: Answer) -> Iterator[str]:
+    """The answer, line by line: the place, its path, its corners, its doors."""
+    yield from place_lines(answer.place)
+    yield ""
+    if answer.samples:
+        yield f"path: the nearest samples; candidates bend to less than {answer.samples[0].below_deg:g} deg"
+        yield from map(sample_line, answer.samples)
+    more = [candidate for candidate in answer.candidates if candidate not in answer.samples]
+    if more:
+        yield "candidates further away"
+        yield from map(sample_line, more)
+    if answer.corners:
+        yield "corners, the nearest"
+        yield from map(corner_line, answer.corners)
+    if "doors" in answer.recorded:
+        yield "doors, the nearest proposed and rejected" if answer.doors else "doors: none proposed or rejected"
+    for door in answer.doors:
+        yield from door_lines(door)
+    for passage in answer.passages:
+        yield (
+            f"  passage: final door {passage.door}, {passage.away_m:.2f} m away, {passage.width_m:.2f} m wide, "
+            f"rooms {passage.rooms[0]} and {passage.rooms[1]}: too narrow for the working resolution"
+        )
+    if "map" not in answer.recorded:
+        yield f"the recording ends after {answer.recorded[-1]}: of later stages nothing is known"
+
+
+def place_lines(place: Place) -> Iterator[str]:
+    """What is at the point itself."""
+    col, row = place.col_row
+    yield f"at {_at(place.point_m)} m, cell {col},{row} (col,row)"
+    if place.value < 0:
+        yield "  input: unknown"
+    else:
+        state = "free" if place.value <= FREE_TO else "occupied" if place.value >= OCCUPIED_FROM else "between both"
+        yield f"  input: {state} ({place.value} of 100)"
+    if place.working_col_row:
+        col, row = place.working_col_row
+        means = f"; {place.reason}: {REASONS[place.reason]}" if place.reason in REASONS else ", as it was"
+        yield f"  simplified: {place.state} (working cell {col},{row}){means}"
+    if place.room:
+        yield f"  final map: room {place.room}"
+
+
+def sample_line(sample: Sample) -> str:
+    """One sample and what became of it."""
+    bend = f"{sample.angle_deg:5.1f} deg  K_f {sample.k_forward} K_b {sample.k_backward}"
+    head = f"  sample {sample.sample}  {sample.away_m:.2f} m away at {_at(sample.point_m)}  {bend}"
+    return f"{head}  {decision(sample)}"
+
+
+def decision(sample: Sample) -> str:
+    """What became of a sample."""
+    kind = "convex" if sample.convex else "concave"
+    return {
+        "straight": f"no candidate: {sample.angle_deg:.1f} deg is not below {sample.below_deg:g}",
+        "candidate": f"{kind} candidate",
+        "corner": f"{kind} candidate and corner {sample.corner}, the sharpest within {sample.window_m:.2f} m",
+        "plateau": f"{kind} candidate, no corner: as sharp as its neighbours, whose middle is corner {sample.corner}",
+        "suppressed": f"{kind} candidate, no corner: sample {sample.rival}, {sample.rival_gap_m:.2f} m along the path "
+        f"(window {sample.window_m:.2f} m), is sharper, {sample.rival_angle_deg:.1f} deg",
+    }[sample.decision]
+
+
+def corner_line(corner: CornerFate) -> str:
+    """One corner and its doors."""
+    head = (
+        f"  corner {corner.corner}  {corner.away_m:.2f} m away at {_at(corner.point_m)}  {corner.angle_deg:9.1f} deg  "
+        f"{'convex' if corner.convex else 'concave'}"
+    )
+    if not corner.convex:
+        return f"{head}: doors start at convex corners only"
+    if corner.doors:
+        return f"{head}: doors {', '.join(map(str, corner.doors))}"
+    other = f"the nearest, {corner.nearest_convex}, is {corner.nearest_convex_m:.2f} m away"
+    return (
+        f"{head}: no door, since no other convex corner and no boundary but its own wall is within "
+        f"{corner.max_length_m:g} m ({other if corner.nearest_convex >= 0 else 'there is no other convex corner'})"
+    )
+
+
+def door_lines(door: DoorFate) -> Iterator[str]:
+    """One door, a line a stage."""
+    corners = f"corner{'s' * (len(door.corners) > 1)} {' and '.join(map(str, door.corners))}"
+    place = f"{door.away_m:.2f} m away  {_at(door.start_m)} to {_at(door.end_m)}"
+    yield f"  door {door.door}  {place}  {door.kind}, {corners}  => {door.fate}"
+    size = f"length {door.length_m:.2f} m (at most {door.max_length_m:g}), free gap {door.width_m:.2f} m, "
+    yield f"    {size}tilt {door.tilt_deg:.1f} deg, {_detour(door)}"
+    yield f"    {_VERDICTS[door.verdict](door)}"
+    if door.idle:
+        yield "    initial map: idle, it borders fewer than two regions"
+    if door.edge >= 0:
+        yield f"    initial map: edge {door.edge}, borders regions {', '.join(map(str, door.regions))}"
+    if door.search:
+        yield f"    search: {_search(door)}"
+    if door.fate in _ENDS:
+        yield f"    final map: {_ENDS[door.fate](door)}"
+
+
+def _detour(door: DoorFate) -> str:
+    if door.gap_m is None:
+        return "its ends lie on two contours"
+    return f"path between its ends {door.gap_m:.2f} m (must exceed {door.least_gap_m:.2f})"
+
+
+def _blocked(door: DoorFate) -> str:
+    where = f", first at working cell {door.blocked_at[0]},{door.blocked_at[1]}" if door.blocked_at else ""
+    return f"rejected, blocked: not all cells between its ends are free{where}"
+
+
+_VERDICTS: dict[str, Callable[[DoorFate], str]] = {
+    "proposed": lambda _: "proposed",
+    "blocked": _blocked,
+    "same wall": lambda door: (
+        "rejected, same wall: the path between its ends "
+        f"is {door.gap_m or 0:.2f} m, no longer than {door.least_gap_m:.2f}"
+    ),
+    "no gap": lambda _: "rejected, no gap: its end cells touch",
+    "duplicate": lambda door: f"rejected, duplicate: door {door.twin} has the same ends",
+}
+
+
+def _search(door: DoorFate) -> str:
+    fate = door.search
+    assert fate is not None
+    change = fate.cost_flipped - fate.cost
+    times = f"{fate.changes} change{'s' * (fate.changes != 1)}"
+    when = (
+        f"last changed in generation {fate.last_change} of {fate.last_generation} ({times})"
+        if fate.changes
+        else f"so in the best string from generation 0 to {fate.last_generation}"
+    )
+    flip = f"{'keeping' if fate.removed else 'removing'} it alone changes the cost by {change:+.6f}"
+    return f"{'removed' if fate.removed else 'kept'}, {when}; {flip} (from {fate.cost:.6f} to {fate.cost_flipped:.6f})"
+
+
+def _final_door(door: DoorFate) -> str:
+    pairs = zip(door.final_door, door.final_rooms, strict=True)
+    return "; ".join(f"door {number} between rooms {one} and {other}" for number, (one, other) in pairs)
+
+
+_ENDS: dict[str, Callable[[DoorFate], str]] = {
+    "door": _final_door,
+    "separates nothing": lambda _: "dropped: opening it joins no two rooms, it separates nothing",
+    "no room there": lambda _: "dropped: a room beside it has no free cell of the input",
+}
+
+
+def _at(point_m: Point) -> str:
+    return f"{point_m[0]:.2f},{point_m[1]:.2f}"
