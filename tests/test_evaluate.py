@@ -182,9 +182,9 @@ def test_free_from_decides_what_is_measured(tmp_path: Path) -> None:
     np.save(tmp_path / "found.npy", found)
     np.save(tmp_path / "true.npy", labels)
     words = (tmp_path / "found.npy", "--map", tmp_path / "flat.png", "--resolution", "0.05")
-    words = (*words, "--reference", tmp_path / "true.npy")
-    assert told(*words)["summary"]["iou"] < 0.9
-    assert told(*words, "--free-from", "250")["summary"]["iou"] == 1
+    reference = ("--reference", tmp_path / "true.npy")
+    assert told(*words, *reference)["summary"]["iou"] < 0.9
+    assert told(*words, *reference, "--free-from", "250")["summary"]["iou"] == 1
 
 
 def test_thresholds_decide_the_exit_code(results: Path) -> None:
@@ -224,7 +224,7 @@ def test_equal_evaluations_draw_equal_recordings(results: Path, tmp_path: Path) 
     for name in ("one.rrd", "other.rrd"):
         call("evaluate", results / "fine", "--reference", MAPS, "--save", tmp_path / name)
     rerun = Path(sys.executable).parent / "rerun"
-    words = [rerun, "rrd", "compare", "--unordered", tmp_path / "one.rrd", tmp_path / "other.rrd"]
+    words: list[str | Path] = [rerun, "rrd", "compare", "--unordered", tmp_path / "one.rrd", tmp_path / "other.rrd"]
     done = subprocess.run(words, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
 

@@ -5,8 +5,10 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+import time
 from pathlib import Path
 from typing import Annotated, ClassVar
+from urllib.parse import urlsplit
 
 import numpy as np
 import pytest
@@ -20,7 +22,9 @@ from vdoor.record import Record, Spec, equal
 from vdoor.recording.mcap import McapSink
 from vdoor.topology import TopologicalMap
 from vdoor.viz.rerun.blueprint import TABS
-from vdoor.viz.rerun.shot import NO_RENDERER, shots
+from vdoor.viz.rerun.draw import DRAW, OCCUPIED
+from vdoor.viz.rerun.program import HOST, listening
+from vdoor.viz.rerun.shot import NO_RENDERER, headless, shots, steady
 from vdoor.viz.rerun.sink import RerunSink
 
 FLAT = Path(__file__).parent.parent / "recordings" / "flat.yaml"
@@ -174,6 +178,66 @@ def test_connecting_to_nobody_is_an_error() -> None:
 
 
 def test_records_all_have_a_picture() -> None:
-    from vdoor.viz.rerun.draw import DRAW
-
     assert set(DRAW) == set(RECORDS)
+
+
+def test_a_raster_too_large_for_a_texture_keeps_its_walls_and_its_place(tmp_path: Path) -> None:
+    cells = np.zeros((3, 20_000), np.int8)
+    cells[1, 7_001] = 100
+    grid = vdoor.OccupancyGrid.from_array(cells, 0.05)
+    sink = RerunSink.to_file(tmp_path / "wide.rrd", info(grid))
+    sink.write(0, grid)
+    sink.close()
+    rows = [
+        row
+        for chunk in RrdReader(tmp_path / "wide.rrd").stream().filter(content="/input/map")
+        for row in chunk.to_record_batch().to_pylist()
+    ]
+    (pixels,) = (row["SegmentationImage:buffer"] for row in rows if row.get("SegmentationImage:buffer"))
+    picture = np.asarray(pixels[0], np.uint8).reshape(2, 10_000)
+    assert np.argwhere(picture == OCCUPIED).tolist() == [[0, 3_500]]
+    (scale,) = (row["Transform3D:scale"] for row in rows if row.get("Transform3D:scale"))
+    assert list(scale[0]) == [2, 2, 1]
+
+
+def test_a_recording_opens_with_the_result_in_view(made: tuple[Path, list[Record], TopologicalMap]) -> None:
+    folder, records, _ = made
+    try:
+        with headless(folder / "flat.rrd", (800, 600)) as client:
+            steady(client)
+            step = client.get_state().recordings[0].current_time
+    except vdoor.VdoorError as error:
+        if str(error) != NO_RENDERER:
+            raise
+        pytest.skip(NO_RENDERER)
+    assert step == len(records) - 1
+
+
+def test_no_viewer_is_left_behind(made: tuple[Path, list[Record], TopologicalMap]) -> None:
+    try:
+        with headless(made[0] / "flat.rrd", (800, 600)) as client:
+            port = urlsplit(client.url).port
+    except vdoor.VdoorError as error:
+        if str(error) != NO_RENDERER:
+            raise
+        pytest.skip(NO_RENDERER)
+    until = time.monotonic() + 10
+    while port and listening(HOST, port) and time.monotonic() < until:
+        time.sleep(0.05)  # it takes a moment to go
+    assert port
+    assert not listening(HOST, port)
+
+
+def test_a_file_holds_nothing_of_the_clock(made: tuple[Path, list[Record], TopologicalMap]) -> None:
+    chunks = RrdReader(made[0] / "flat.rrd").stream()
+    names = {name for chunk in chunks for name in chunk.to_record_batch().schema.names}
+    assert {"step", "stage", "sample", "corner", "generation"} <= names
+    assert not {"log_time", "log_tick"} & names
+
+
+def test_a_full_disk_is_an_error_that_names_the_file() -> None:
+    full = Path("/dev/full")
+    if not full.exists():
+        pytest.skip("there is no /dev/full here")
+    with pytest.raises(vdoor.VdoorError, match=r"No space left on device.*: /dev/full"):
+        RerunSink.to_file(full, info(vdoor.read_map(FLAT)))

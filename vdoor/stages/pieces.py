@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import ndimage
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
+from skimage.measure import label as label_cells
 
 from vdoor.stages.doors import VirtualDoors
 from vdoor.stages.runs import runs_of
@@ -42,7 +42,7 @@ def cut(free: Mask, doors: VirtualDoors, chosen: Ints) -> Pieces:
 
     region_space = free.copy()
     region_space.reshape(-1)[cell] = False
-    label, regions = ndimage.label(region_space)
+    label, regions = label_cells(region_space, connectivity=1, return_num=True)
     label.reshape(-1)[cell] = regions + 1 + atom_of_cell
     # Adjacency is asked of the door cells only: regions never touch each other.
     padded = np.pad(label, 1)

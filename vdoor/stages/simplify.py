@@ -9,6 +9,7 @@ from typing import Annotated, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
+from skimage.measure import label as label_cells
 
 from vdoor.config import Within
 from vdoor.errors import MapError
@@ -77,7 +78,7 @@ class SimplifyGrid:
 
     def _reachable(self, free: Mask, frame: Frame) -> Mask:
         """The 4-connected component of `free` that holds the robot, else the largest."""
-        labels, count = ndimage.label(free)
+        labels, count = label_cells(free, connectivity=1, return_num=True)
         if count == 0:
             raise MapError("the map has no free cell, so there is nothing to divide into rooms")
         if not self.robot_m:
@@ -122,7 +123,7 @@ def any_in_block(mask: Mask, factor: int) -> Mask:
 
 def small_islands(free: Mask, size: int) -> Mask:
     """Cells of 8-connected obstacles that lie within the free space and in a box of `size` cells."""
-    labels, _ = ndimage.label(np.pad(~free, 1, constant_values=True), np.ones((3, 3)))
+    labels = label_cells(np.pad(~free, 1, constant_values=True), connectivity=2)
     outer = labels[0, 0]
     small = np.zeros(labels.max() + 1, np.bool_)
     for label, box in enumerate(ndimage.find_objects(labels), start=1):

@@ -37,7 +37,7 @@ TABS = ("Overview", "Simplified", "Path", "Curvature", "Corners", "Doors", "Init
 def blueprint(active_tab: str = TABS[0]) -> rrb.Blueprint:
     """The default blueprint, opened at one of its tabs."""
     tabs = (overview(), simplified(), path(), curvature(), corners(), doors(), initial_map(), search(), rooms())
-    panel = rrb.TimePanel(state="collapsed", timeline="step", play_state="paused")
+    panel = rrb.TimePanel(state="collapsed", timeline="step", play_state="following")  # at the end, where all is drawn
     return rrb.Blueprint(
         rrb.Tabs(*tabs, active_tab=TABS.index(active_tab)),
         rrb.BlueprintPanel(state="collapsed"),

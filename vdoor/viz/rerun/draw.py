@@ -25,12 +25,13 @@ from vdoor.viz.rerun.scene import Scene, classes, pixels, strips
 
 MOST_PLACES = 20_000
 """The walker stops at so many samples at most."""
-UNKNOWN, FREE, OCCUPIED, BETWEEN = 0, 1, 2, 3
+UNKNOWN, FREE, BETWEEN, OCCUPIED = 0, 1, 2, 3
+"""In the order in which they must not be lost: where a raster is reduced, a wall wins."""
 CELL_CLASSES = {
     UNKNOWN: ("unknown", style.UNKNOWN),
     FREE: ("free", style.FREE),
-    OCCUPIED: ("occupied", style.OCCUPIED),
     BETWEEN: ("between", style.BETWEEN),
+    OCCUPIED: ("occupied", style.OCCUPIED),
 }
 REASON_COLOURS = (style.CLEAR, style.UNREACHABLE, style.JUT, style.NOTCH, style.ISLAND)
 HEADING_PX = np.array([(1, 0), (0, -1), (-1, 0), (0, 1)])
@@ -49,7 +50,7 @@ def draw_simplified(scene: Scene, grid: SimplifiedGrid) -> None:
     scene.keep("map/removed", classes(dict(enumerate(zip(REASONS, REASON_COLOURS, strict=False)))))
     scene.raster("map/simplified", cell_classes(grid))
     scene.raster("map/removed", grid.reason, order=1.0)
-    counts = np.bincount(grid.reason.ravel(), minlength=len(REASONS))
+    counts = [np.count_nonzero(grid.reason == code) for code in range(len(REASONS))]
     scene.say(", ".join(f"{count} cells {name}" for name, count in zip(REASONS, counts, strict=False) if count))
 
 
@@ -170,7 +171,8 @@ def table(scene: Scene, record: Record, name: str) -> None:
         elif spec.unit == "rad":
             columns[field.replace("_rad", "_deg")] = np.degrees(values)
         elif values.ndim > 1:
-            columns |= {f"{field}_{part}": values[:, at] for at, part in enumerate(("row", "col"))}
+            parts = ("x", "y") if spec.unit == "m" else ("row", "col")
+            columns |= {f"{field}_{part}": values[:, at] for at, part in enumerate(parts)}
         else:
             columns[field] = values
     timeline = name if name == "corner" else "row"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import rerun as rr
+from numpy.typing import NDArray
 
 from vdoor.stages.rooms import InitialMap
 from vdoor.stages.search import Generation
@@ -12,6 +13,7 @@ from vdoor.viz.rerun import style
 from vdoor.viz.rerun.scene import Scene, classes, pixels, strips
 
 TERMS = {"small_rooms": "NumSmallNode", "area_sd_m2": "AreaSD, m2", "tilt_sd_deg": "DegSD, degrees"}
+MOST_IN_A_BYTE = 255
 COSTS = {"best": style.BEST, "mean": style.MEAN, "worst": style.WORST}
 
 
@@ -19,7 +21,7 @@ def draw_initial(scene: Scene, initial: InitialMap) -> None:
     """Regions, and rooms joined to the doors they border; a door may border more than two."""
     scene.remembered[initial.topic] = initial
     regions = len(initial.area_m2)
-    shown = np.where(initial.piece <= regions, initial.piece, 0).astype(np.uint16)
+    shown = as_classes(np.where(initial.piece <= regions, initial.piece, 0))
     scene.keep("map/regions", classes(room_classes(regions)))
     scene.raster("map/regions", shown, order=2.0, opacity=0.6)
     middle = (initial.start + initial.end) / 2
@@ -76,7 +78,7 @@ def draw_map(scene: Scene, topology: TopologicalMap) -> None:
     """Rooms with their doors at the input's resolution, and the graph."""
     frame, rooms = topology.frame, len(topology.area_m2)
     scene.keep("rooms/labels", classes(room_classes(rooms)))
-    scene.raster("rooms/labels", topology.labels.astype(np.uint16), order=1.0, opacity=0.85)
+    scene.raster("rooms/labels", as_classes(topology.labels), order=1.0, opacity=0.85)
     start, end = frame.cell_from_world(topology.start_m), frame.cell_from_world(topology.end_m)
     middle = (start + end) / 2
     size = max(frame.height, frame.width) / 400
@@ -106,6 +108,11 @@ def draw_map(scene: Scene, topology: TopologicalMap) -> None:
         ),
         rr.GraphEdges(joined),
     )
+
+
+def as_classes(labels: NDArray[np.int32]) -> NDArray[np.uint8] | NDArray[np.uint16]:
+    """Labels as class numbers in as few bytes as they fit; beyond 65,535 rooms colours repeat."""
+    return labels.astype(np.uint8 if labels.max(initial=0) <= MOST_IN_A_BYTE else np.uint16)
 
 
 def room_classes(count: int) -> dict[int, tuple[str, tuple[int, ...]]]:

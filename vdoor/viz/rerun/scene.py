@@ -12,7 +12,10 @@ from numpy.typing import NDArray
 LARGEST_SIDE_PX = 16_384
 """Textures end here; larger rasters are drawn reduced."""
 SCRUBBED = ("sample", "corner", "generation")
-"""Timelines beside `step`. What does not move along one of them stands at its 0, so that it is seen there as well."""
+"""Timelines beside `step` and `stage`.
+
+What does not move along one of them stands at its 0, so that it is seen there as well.
+"""
 
 
 class Scene:
@@ -21,12 +24,18 @@ class Scene:
     def __init__(self, stream: rr.RecordingStream) -> None:
         self.stream = stream
         self.step = 0
+        self.stage = 0
+        self.topics: list[str] = []
+        """Of the records so far; a topic's place among them is its stage."""
         self.remembered: dict[str, Any] = {}
         """What later records are drawn on, by topic."""
 
     def begin(self, step: int, topic: str) -> None:
         """Go to the next record."""
         self.step = step
+        if topic not in self.topics:
+            self.topics.append(topic)
+        self.stage = self.topics.index(topic)
         self.stream.reset_time()
         self.at()
         self.log("state/stage", rr.StateChange(state=topic))
@@ -34,6 +43,7 @@ class Scene:
     def at(self, **places: int) -> None:
         """Set the time of what is logged next: the step, and a place on the timelines named."""
         self.stream.set_time("step", sequence=self.step)
+        self.stream.set_time("stage", sequence=self.stage)
         for timeline in SCRUBBED:
             self.stream.set_time(timeline, sequence=places.get(timeline, 0))
 
@@ -48,7 +58,11 @@ class Scene:
     def columns(self, entity: str, timeline: str, places: NDArray[Any], columns: Iterable[Any]) -> None:
         """Log one row for each place on a timeline, all at this step."""
         zeros = np.zeros(len(places), np.int64)
-        sequences = dict.fromkeys(SCRUBBED, zeros) | {"step": zeros + self.step, timeline: places}
+        sequences = dict.fromkeys(SCRUBBED, zeros) | {
+            "step": zeros + self.step,
+            "stage": zeros + self.stage,
+            timeline: places,
+        }
         indexes = [rr.TimeColumn(name, sequence=sequence) for name, sequence in sequences.items()]
         self.stream.send_columns(entity, indexes=indexes, columns=columns)
 
@@ -56,13 +70,21 @@ class Scene:
         """A raster of class numbers (h, w), reduced where it is larger than a texture can be."""
         reduce_by = -(-max(classes.shape) // LARGEST_SIDE_PX)
         if reduce_by > 1:
-            classes = classes[::reduce_by, ::reduce_by]
+            classes = reduced(classes, reduce_by)
+            self.log(entity, rr.Transform3D(scale=(reduce_by, reduce_by, 1)))  # so that points still lie on it
             self.say(f"{entity} is drawn at 1 : {reduce_by}, pictures end at {LARGEST_SIDE_PX} cells a side")
         self.log(entity, rr.SegmentationImage(classes, draw_order=order, opacity=opacity))
 
     def say(self, text: str) -> None:
         """A line in the log."""
         self.log("log", rr.TextLog(text))
+
+
+def reduced(raster: NDArray[Any], by: int) -> NDArray[Any]:
+    """The largest value of each square of `by` x `by` cells; squares at the right and lower edge may be cut."""
+    rows, cols = (np.arange(0, length, by) for length in raster.shape)
+    by_rows = np.maximum.reduceat(raster, rows, axis=0)
+    return np.asarray(np.maximum.reduceat(by_rows, cols, axis=1))
 
 
 def classes(names: Mapping[int, tuple[str, Sequence[int]]]) -> rr.AnnotationContext:

@@ -5,13 +5,16 @@ from __future__ import annotations
 import hashlib
 import json
 import os
+import shutil
 import subprocess
 import sys
+import uuid
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from urllib.parse import urlsplit
 
+import numpy as np
 import rerun as rr
 
 from vdoor.emit import RunInfo
@@ -25,6 +28,9 @@ from vdoor.viz.rerun.scene import Scene
 APPLICATION = "vdoor"
 GRPC_PORT, WEB_PORT = 9876, 9090
 PATIENCE_S = 10.0
+FLUSH_S = 60.0
+"""Rerun's writer ends at its first error, and a flush without a limit may then wait for ever."""
+SPARE_BYTES = 4_000_000
 SWITCHED_OFF = ("0", "false", "off", "no")
 
 
@@ -54,7 +60,7 @@ class RerunSink:
             path.touch()
             stream.save(path, default_blueprint=blueprint())
             sink = cls(stream, info, path=path)
-            stream.flush()
+            stream.flush(timeout_sec=FLUSH_S)
             if not path.stat().st_size:
                 raise VdoorError(f"recording: nothing was written, wanted a Rerun recording: {path}")
         return sink
@@ -73,7 +79,7 @@ class RerunSink:
 
     @classmethod
     def _to(cls, host: str, port: int, info: RunInfo, *, server: subprocess.Popen[bytes] | None = None) -> RerunSink:
-        stream = new_stream(info)
+        stream = new_stream(info, live=True)
         stream.connect_grpc(f"rerun+http://{host}:{port}/proxy", default_blueprint=blueprint())
         return cls(stream, info, server=server)
 
@@ -95,19 +101,21 @@ class RerunSink:
         """Draw one record; in a file it survives a kill from here on."""
         if self._stream is None:
             raise VdoorError("recording: is closed")
+        if self.path is not None:
+            check_room(self.path, record)
         with errors_at(self.path):
             self._scene.begin(step, record.topic)
             DRAW.get(type(record), draw_any)(self._scene, record)
-            self._stream.flush()
+            self._stream.flush(timeout_sec=FLUSH_S)
 
     def close(self) -> None:
         """Write the footer; a server goes on until Ctrl-C."""
         if self._stream is None:
             return
+        stream, self._stream = self._stream, None
         with errors_at(self.path):
-            self._stream.flush()
-            self._stream.disconnect()
-        self._stream = None
+            stream.flush(timeout_sec=FLUSH_S)
+            stream.disconnect()
         if self._server is not None:
             sys.stderr.write(
                 f"vdoor: open http://{HOST}:{WEB_PORT}?url=rerun%2Bhttp://{HOST}:{GRPC_PORT}/proxy "
@@ -119,12 +127,19 @@ class RerunSink:
                 end(self._server)
 
 
-def new_stream(info: RunInfo) -> rr.RecordingStream:
-    """A stream whose id follows from the run, so that equal runs have equal ids."""
+def new_stream(info: RunInfo, *, live: bool = False) -> rr.RecordingStream:
+    """A stream without anything of the clock; in a file its id follows from the run, so that equal runs have equal ids.
+
+    A live viewer would add an equal run to the one it shows: there every run has an id of its own.
+    """
     if os.environ.get("RERUN", "").lower() in SWITCHED_OFF:
         raise VdoorError(f"recording: Rerun is switched off by RERUN={os.environ['RERUN']} in the environment")
     rr.set_strict_mode(True)
-    return rr.RecordingStream(APPLICATION, recording_id=recording_id(info), send_properties=False)
+    name = uuid.uuid4().hex if live else recording_id(info)
+    stream = rr.RecordingStream(APPLICATION, recording_id=name, send_properties=False)
+    stream.set_log_time_enabled(False)
+    stream.set_log_tick_enabled(False)
+    return stream
 
 
 def recording_id(info: RunInfo) -> str:
@@ -139,6 +154,15 @@ def described(info: RunInfo) -> str:
     """What the views show, and what was run."""
     files = ", ".join(name for name, _ in info.source.files) or "an array"
     return f"{DESCRIPTION}\nvdoor {info.version}, preset `{info.preset}`, seed {info.seed}, map: {files}\n"
+
+
+def check_room(path: Path, record: Record) -> None:
+    """VdoorError where the disk has no room for a record, before Rerun's writer meets it and hangs."""
+    arrays = (value.nbytes for value in vars(record).values() if isinstance(value, np.ndarray))
+    wanted, found = 2 * sum(arrays) + SPARE_BYTES, shutil.disk_usage(path).free
+    if found < wanted:
+        megabytes = f"wanted {wanted / 1e6:.1f} MB of free disk, found {found / 1e6:.1f} MB"
+        raise VdoorError(f"recording: {megabytes} at {record.topic}: {path}")
 
 
 @contextmanager
