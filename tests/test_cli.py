@@ -106,6 +106,25 @@ def test_existing_files_are_kept_without_force(results: Path) -> None:
     assert (results / "flat.mcap").read_bytes() == before
 
 
+def test_what_an_interrupted_run_saved_is_kept_without_force(tmp_path: Path) -> None:
+    saved = tmp_path / "flat.mcap.partial"
+    saved.write_text("saved")
+    assert saved.name in one_line(call("run", FLAT, "--mcap", tmp_path / "flat.mcap", code=2))
+    assert saved.read_text() == "saved"
+
+
+def test_serving_leaves_whole_files_and_ends_with_ctrl_c(tmp_path: Path) -> None:
+    words = ["run", FLAT, "--serve", "--save", tmp_path / "flat.rrd", "--mcap", tmp_path / "flat.mcap"]
+    process = subprocess.Popen([VDOOR, *map(str, words)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    assert process.stderr is not None
+    assert "http://127.0.0.1:9090" in process.stderr.readline()
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["flat.mcap", "flat.rrd"]
+    process.send_signal(signal.SIGINT)
+    said, _ = process.communicate(timeout=60)
+    assert process.returncode == 0
+    assert said.startswith("5 rooms, 4 doors")
+
+
 def test_force_overwrites(tmp_path: Path) -> None:
     target = tmp_path / "flat.mcap"
     target.write_text("old")
@@ -178,7 +197,19 @@ def test_printed_settings_read_back(tmp_path: Path) -> None:
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
 def test_interrupted_run_names_a_readable_partial_file(tmp_path: Path, number: signal.Signals) -> None:
     target = tmp_path / "long.mcap"
-    words = ["run", FLAT, "--preset", "paper", "--set", "search.generations=1000000", "--mcap", target]
+    picture = tmp_path / "long.rrd"
+    words = [
+        "run",
+        FLAT,
+        "--preset",
+        "paper",
+        "--set",
+        "search.generations=1000000",
+        "--mcap",
+        target,
+        "--save",
+        picture,
+    ]
     process = subprocess.Popen([VDOOR, *map(str, words)], stderr=subprocess.PIPE, text=True)
     partial = target.with_name("long.mcap.partial")
     deadline = time.monotonic() + 60
@@ -190,7 +221,11 @@ def test_interrupted_run_names_a_readable_partial_file(tmp_path: Path, number: s
     assert process.returncode == 128 + number
     assert str(partial) in said
     assert "Traceback" not in said
-    assert not target.exists()
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["long.mcap.partial", "long.rrd.partial"]
+    seen = subprocess.run(
+        [VDOOR.with_name("rerun"), "rrd", "verify", f"{picture}.partial"], env=os.environ | {"CI": "1"}
+    )  # its exit code is the claim
+    assert seen.returncode == 0
     topics = [record.topic for _, record in read_recording(partial, types=RECORDS)]
     assert topics[:8] == [record.topic for record in RECORDS[:8]]
     assert topics[-1] == "generation"

@@ -25,6 +25,7 @@ MAY_IMPORT = {
     "formats": {"errors", "files", "record", "grid", "emit", "topology"},
     "recording": {"errors", "files", "record", "grid", "emit", "hold"},
     "viz": {
+        "say",
         "history",
         "why",
         "evaluate",

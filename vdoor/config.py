@@ -8,6 +8,7 @@ import difflib
 import inspect
 import itertools
 import json
+import math
 import textwrap
 import tomllib
 from collections.abc import Iterable, Mapping
@@ -80,9 +81,10 @@ def _like(default: Any, value: Any, place: str) -> Any:
         good = isinstance(default, bool) and isinstance(value, bool)
     elif isinstance(default, float):
         good, value = isinstance(value, (int, float)), float(value) if isinstance(value, (int, float)) else value
-        good = good and value == value and abs(value) != float("inf")  # noqa: PLR0124  # nan is unequal to itself
+        good = good and math.isfinite(value)
     elif isinstance(default, tuple):
-        good = isinstance(value, (list, tuple)) and all(isinstance(part, (int, float)) for part in value)
+        good = isinstance(value, (list, tuple)) and all(type(part) in (int, float) for part in value)
+        good = good and all(map(math.isfinite, value))
         value = tuple(map(float, value)) if good else value
     else:
         good = isinstance(value, type(default))
@@ -92,7 +94,7 @@ def _like(default: Any, value: Any, place: str) -> Any:
 
 
 def _kind(default: Any) -> str:
-    names = {bool: "true or false", int: "a whole number", float: "a finite number", tuple: "a list of numbers"}
+    names = {bool: "true or false", int: "a whole number", float: "a finite number", tuple: "a list of finite numbers"}
     return names.get(type(default), "text")
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterable
 from pathlib import Path
 
@@ -34,8 +35,11 @@ def make_folder(path: Path) -> Path:
 
 
 def refuse_existing(paths: Iterable[Path], *, force: bool) -> None:
-    """VdoorError naming the first of `paths` that exists, unless `force`; folders are refused always."""
-    for path in paths:
+    """VdoorError naming the first of `paths`, or of their partial names, that exists, unless `force`.
+
+    A partial file is what an interrupted run could save. Folders are refused always.
+    """
+    for path in itertools.chain.from_iterable((path, partial_name(path)) for path in paths):
         if path.is_dir():
             raise VdoorError(f"output: wanted a file name, found a folder: {path}")
         if path.exists() and not force:

@@ -41,43 +41,43 @@ class Outputs:
         """The recording files."""
         return [path for path in (self.save, self.mcap) if path is not None]
 
-    def sinks(self, info: RunInfo) -> Iterator[Sink]:
-        """Open what was asked for, files under their partial names."""
+    def sinks(self, info: RunInfo) -> Iterator[tuple[Sink, Path | None]]:
+        """Open what was asked for, the files first and under their partial names; each with the name it will have."""
         if self.mcap is not None:
             from vdoor.recording.mcap import McapSink  # noqa: PLC0415  # only where it is wanted
 
-            yield McapSink(partial_name(self.mcap), info)
+            yield McapSink(partial_name(self.mcap), info), self.mcap
         if self.save or self.connect or self.serve or self.spawn:
             from vdoor.viz.rerun.sink import RerunSink  # noqa: PLC0415  # takes half a second
 
             if self.save is not None:
-                yield RerunSink.to_file(partial_name(self.save), info)
+                yield RerunSink.to_file(partial_name(self.save), info), self.save
             if self.connect:
-                yield RerunSink.connect(self.connect, info)
+                yield RerunSink.connect(self.connect, info), None
             if self.serve:
-                yield RerunSink.serve(info)
+                yield RerunSink.serve(info), None
             if self.spawn:
-                yield RerunSink.spawn(info)
+                yield RerunSink.spawn(info), None
 
 
 @contextmanager
 def opened(outputs: Outputs, info: RunInfo) -> Iterator[list[Sink]]:
-    """The sinks of a run; files get their names when the block ends well.
+    """The sinks of a run; files get their names when the block ends well, and then a server goes on until Ctrl-C.
 
     When it is interrupted they are closed, stay under their partial names and are named on stderr. When the input is
     at fault nothing is left behind.
     """
-    sinks: list[Sink] = []
+    pairs: list[tuple[Sink, Path | None]] = []
     with interruptible():
         try:
-            sinks.extend(outputs.sinks(info))
-            yield sinks
-            for sink in sinks:
+            pairs.extend(outputs.sinks(info))
+            yield [sink for sink, _ in pairs]
+            for sink, path in pairs:
                 sink.close()
-            for path in outputs.files:
-                partial_name(path).replace(path)
+                if path is not None:
+                    partial_name(path).replace(path)
         except BaseException as error:
-            for sink in sinks:
+            for sink, _ in pairs:
                 try:
                     sink.close()
                 except VdoorError as late:

@@ -26,7 +26,7 @@ from vdoor.cli.options import (
 from vdoor.say import say
 
 if TYPE_CHECKING:
-    from vdoor.emit import RunInfo, Stopwatch
+    from vdoor.emit import RunInfo
     from vdoor.grid import OccupancyGrid
     from vdoor.pipeline import Pipeline
     from vdoor.topology import TopologicalMap
@@ -56,9 +56,11 @@ def run(
     verbose: Annotated[bool, typer.Option("--verbose", "-v", help="Every stage on stderr, with its time.")] = False,
 ) -> None:
     """Find the rooms and doors of a map."""
+    from vdoor.emit import Recorder, Stopwatch
     from vdoor.files import refuse_existing
     from vdoor.formats import result
-    from vdoor.outputs import Outputs
+    from vdoor.outputs import Outputs, Progress, opened
+    from vdoor.pipeline import run as run_pipeline
 
     outputs = Outputs(save=save, mcap=mcap, connect=connect, serve=serve, spawn=spawn)
     folder_files = [out / name for name in result.NAMES] if out else []
@@ -66,11 +68,13 @@ def run(
     grid = read_grid(map_file, resolution, unknown_value, max_cells, quiet=quiet)
     pipeline = chosen_pipeline(preset, config, set_, robot=robot_place(grid, robot, cells=cells))
     info = _info(grid, preset, pipeline, seed)
-    topology, watch = _recorded(grid, pipeline, info, outputs, quiet=quiet, verbose=verbose)
-    document = result.document_of(topology, info, watch.cpu_s)
-    if out:
-        result.write_result(out, grid, topology, document)
-    _print_result(topology, document, as_json=as_json)
+    with opened(outputs, info) as sinks:
+        watch = Stopwatch(Recorder([*sinks, *([] if quiet else [Progress(verbose=verbose)])]))
+        topology = run_pipeline(grid, pipeline, seed=seed, emit=watch)
+        document = result.document_of(topology, info, watch.cpu_s)
+        if out:
+            result.write_result(out, grid, topology, document)
+        _print_result(topology, document, as_json=as_json)
     if verbose:
         for stage, seconds in watch.cpu_s.items():
             say(f"{seconds:8.3f} s CPU  {stage}")
@@ -91,19 +95,6 @@ def _info(grid: OccupancyGrid, preset: str, pipeline: Pipeline, seed: int) -> Ru
 
     settings = settings_of(pipeline, {"search": SEARCHES})
     return RunInfo(version=__version__, preset=preset, seed=seed, settings=settings, source=grid.source)
-
-
-def _recorded(
-    grid: OccupancyGrid, pipeline: Pipeline, info: RunInfo, outputs: Any, *, quiet: bool, verbose: bool
-) -> tuple[TopologicalMap, Stopwatch]:
-    """Run with all sinks open."""
-    from vdoor.emit import Recorder, Stopwatch
-    from vdoor.outputs import Progress, opened
-    from vdoor.pipeline import run as run_pipeline
-
-    with opened(outputs, info) as sinks:
-        watch = Stopwatch(Recorder([*sinks, *([] if quiet else [Progress(verbose=verbose)])]))
-        return run_pipeline(grid, pipeline, seed=info.seed, emit=watch), watch
 
 
 def _print_result(topology: TopologicalMap, document: dict[str, Any], *, as_json: bool) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from collections.abc import Iterable
 from typing import TYPE_CHECKING
@@ -73,9 +74,7 @@ class FlipState:
 
         best = np.array([self.best], np.bool_).reshape(1, -1)
         record = summary(number, evaluations, best, self.problem.evaluate(best))
-        object.__setattr__(record, "mean_cost", sum(costs) / len(costs))
-        object.__setattr__(record, "worst_cost", max(costs))
-        return record
+        return dataclasses.replace(record, mean_cost=sum(costs) / len(costs), worst_cost=max(costs))
 
     def _flip(self, edge: int) -> None:
         keeps = self.removed[edge]

@@ -19,17 +19,18 @@ def lines_between(free: NDArray[np.bool_], start: Ints, end: Ints) -> tuple[NDAr
     turn, mirror and reverse with the map. Lines without a cell between their ends are not free.
     """
     clear, cells, owners = [np.zeros(0, np.bool_)], [np.zeros((0, 2), np.int32)], [np.zeros(0, np.int32)]
+    around = np.pad(free, 1)  # a door may end one cell outside the map
     for begin in range(0, len(start), CHUNK):
         part = slice(begin, begin + CHUNK)
-        good, cell, owner = _some_lines(free, start[part], end[part])
+        good, cell, owner = _some_lines(around, start[part], end[part])
         clear.append(good)
         cells.append(cell)
         owners.append(owner + np.int32(begin))
     return np.concatenate(clear), np.concatenate(cells), np.concatenate(owners)
 
 
-def _some_lines(free: NDArray[np.bool_], start: Ints, end: Ints) -> tuple[NDArray[np.bool_], Ints, Ints]:
-    """`lines_between` for a few lines, as arrays of (line, step, the two cells where the line is halfway)."""
+def _some_lines(around: NDArray[np.bool_], start: Ints, end: Ints) -> tuple[NDArray[np.bool_], Ints, Ints]:
+    """`lines_between` for a few lines on the padded map, as arrays of (line, step, lower and upper cell)."""
     span = end - start
     steps = np.abs(span).max(axis=1, initial=0)
     at = np.arange(1, max(2, steps.max(initial=0)), dtype=np.int32)[None, :]
@@ -42,7 +43,7 @@ def _some_lines(free: NDArray[np.bool_], start: Ints, end: Ints) -> tuple[NDArra
         offset = np.stack([below, above], axis=-1) * between[..., None]
         sides.append(start[:, axis, None, None] + offset)
     row, col = sides
-    open_ = np.pad(free, 1)[row + 1, col + 1]  # a door may end one cell outside the map
+    open_ = around[row + 1, col + 1]
     clear = (open_.any(axis=2) | ~between).all(axis=1) & (steps > 1)
     taken = open_ & (between & clear[:, None])[..., None]
     taken[..., 1] &= (row[..., 0] != row[..., 1]) | (col[..., 0] != col[..., 1])

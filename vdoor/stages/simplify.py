@@ -12,7 +12,7 @@ from scipy import ndimage
 from skimage.measure import label as label_cells
 
 from vdoor.config import Within
-from vdoor.errors import MapError
+from vdoor.errors import MapError, SettingError
 from vdoor.grid import FREE, OCCUPIED, UNKNOWN, OccupancyGrid
 from vdoor.record import Frame, Record, Spec
 from vdoor.stages.runs import runs_of
@@ -50,6 +50,11 @@ class SimplifyGrid:
     """Flattening is repeated at most so often."""
     max_island_m: Annotated[float, Within(0, 100)] = 0.0
     """Obstacles standing free whose bounding box is at most this long are removed; 0 keeps all (paper)."""
+
+    def __post_init__(self) -> None:
+        """Refuse a place that is not x and y."""
+        if len(self.robot_m) not in (0, 2):
+            raise SettingError(f"simplify.robot_m: wanted x and y, or none, found {list(self.robot_m)}")
 
     def __call__(self, grid: OccupancyGrid) -> SimplifiedGrid:
         """Simplify `grid`; MapError where it has no free cell or the robot stands nowhere."""

@@ -112,7 +112,9 @@ def draw_map(scene: Scene, topology: TopologicalMap) -> None:
 
 def as_classes(labels: NDArray[np.int32]) -> NDArray[np.uint8] | NDArray[np.uint16]:
     """Labels as class numbers in as few bytes as they fit; beyond 65,535 rooms colours repeat."""
-    return labels.astype(np.uint8 if labels.max(initial=0) <= MOST_IN_A_BYTE else np.uint16)
+    if labels.max(initial=0) <= MOST_IN_A_BYTE:
+        return labels.astype(np.uint8)
+    return labels.astype(np.uint16)
 
 
 def room_classes(count: int) -> dict[int, tuple[str, tuple[int, ...]]]:

@@ -7,7 +7,6 @@ import json
 import os
 import shutil
 import subprocess
-import sys
 import uuid
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -20,6 +19,7 @@ import rerun as rr
 from vdoor.emit import RunInfo
 from vdoor.errors import VdoorError
 from vdoor.record import Record
+from vdoor.say import say
 from vdoor.viz.rerun.blueprint import DESCRIPTION, blueprint
 from vdoor.viz.rerun.draw import DRAW, draw_any
 from vdoor.viz.rerun.program import HOST, end, listening, start, wait_until_listening
@@ -117,12 +117,14 @@ class RerunSink:
             stream.flush(timeout_sec=FLUSH_S)
             stream.disconnect()
         if self._server is not None:
-            sys.stderr.write(
-                f"vdoor: open http://{HOST}:{WEB_PORT}?url=rerun%2Bhttp://{HOST}:{GRPC_PORT}/proxy "
-                "in a browser; Ctrl-C ends it\n"
-            )
             try:
+                say(
+                    f"open http://{HOST}:{WEB_PORT}?url=rerun%2Bhttp://{HOST}:{GRPC_PORT}/proxy in a browser; "
+                    "Ctrl-C ends it"
+                )
                 self._server.wait()
+            except (KeyboardInterrupt, SystemExit):
+                pass  # that is how serving ends
             finally:
                 end(self._server)
 
