@@ -117,7 +117,7 @@ def test_serving_leaves_whole_files_and_ends_with_ctrl_c(tmp_path: Path) -> None
     words = ["run", FLAT, "--serve", "--save", tmp_path / "flat.rrd", "--mcap", tmp_path / "flat.mcap"]
     process = subprocess.Popen([VDOOR, *map(str, words)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     assert process.stderr is not None
-    assert "http://127.0.0.1:9090" in process.stderr.readline()
+    assert "open http://127.0.0.1:" in process.stderr.readline()
     assert sorted(path.name for path in tmp_path.iterdir()) == ["flat.mcap", "flat.rrd"]
     process.send_signal(signal.SIGINT)
     said, _ = process.communicate(timeout=60)
@@ -222,10 +222,8 @@ def test_interrupted_run_names_a_readable_partial_file(tmp_path: Path, number: s
     assert str(partial) in said
     assert "Traceback" not in said
     assert sorted(path.name for path in tmp_path.iterdir()) == ["long.mcap.partial", "long.rrd.partial"]
-    seen = subprocess.run(
-        [VDOOR.with_name("rerun"), "rrd", "verify", f"{picture}.partial"], env=os.environ | {"CI": "1"}
-    )  # its exit code is the claim
-    assert seen.returncode == 0
+    rerun = [VDOOR.with_name("rerun"), "rrd", "verify", f"{picture}.partial"]
+    assert subprocess.run(rerun, env=os.environ | {"CI": "1"}, check=False).returncode == 0
     topics = [record.topic for _, record in read_recording(partial, types=RECORDS)]
     assert topics[:8] == [record.topic for record in RECORDS[:8]]
     assert topics[-1] == "generation"

@@ -22,7 +22,7 @@ from vdoor.record import Record
 from vdoor.say import say
 from vdoor.viz.rerun.blueprint import DESCRIPTION, blueprint
 from vdoor.viz.rerun.draw import DRAW, draw_any
-from vdoor.viz.rerun.program import HOST, end, listening, start, wait_until_listening
+from vdoor.viz.rerun.program import HOST, end, free_port, listening, start, wait_until_listening
 from vdoor.viz.rerun.scene import Scene
 
 APPLICATION = "vdoor"
@@ -46,6 +46,8 @@ class RerunSink:
         path: Path | None = None,
     ) -> None:
         self.path = path
+        self.address = ""
+        """Where a browser finds it."""
         self._stream: rr.RecordingStream | None = stream
         self._server = server
         self._scene = Scene(stream)
@@ -86,16 +88,18 @@ class RerunSink:
     @classmethod
     def spawn(cls, info: RunInfo) -> RerunSink:
         """Open a viewer and draw in it; it stays open."""
-        start_viewer("--port", str(GRPC_PORT), port=GRPC_PORT)
-        return cls.connect(f"{HOST}:{GRPC_PORT}", info)
+        port = preferred(GRPC_PORT)
+        start_viewer("--port", str(port), port=port)
+        return cls._to(HOST, port, info)
 
     @classmethod
     def serve(cls, info: RunInfo) -> RerunSink:
         """Draw in a web viewer on this machine; `close` waits until it is interrupted."""
-        server = start_viewer(
-            "--serve-web", "--port", str(GRPC_PORT), "--web-viewer-port", str(WEB_PORT), port=GRPC_PORT
-        )
-        return cls._to(HOST, GRPC_PORT, info, server=server)
+        port, web_port = preferred(GRPC_PORT), preferred(WEB_PORT)
+        server = start_viewer("--serve-web", "--port", str(port), "--web-viewer-port", str(web_port), port=port)
+        sink = cls._to(HOST, port, info, server=server)
+        sink.address = f"http://{HOST}:{web_port}?url=rerun%2Bhttp://{HOST}:{port}/proxy"
+        return sink
 
     def write(self, step: int, record: Record) -> None:
         """Draw one record; in a file it survives a kill from here on."""
@@ -118,10 +122,7 @@ class RerunSink:
             stream.disconnect()
         if self._server is not None:
             try:
-                say(
-                    f"open http://{HOST}:{WEB_PORT}?url=rerun%2Bhttp://{HOST}:{GRPC_PORT}/proxy in a browser; "
-                    "Ctrl-C ends it"
-                )
+                say(f"open {self.address} in a browser; Ctrl-C ends it")
                 self._server.wait()
             except (KeyboardInterrupt, SystemExit):
                 pass  # that is how serving ends
@@ -183,10 +184,13 @@ def open_viewer(recording: Path) -> None:
         raise VdoorError(f"view: the viewer did not start or ended badly: {recording}")
 
 
+def preferred(port: int) -> int:
+    """This port, or a free one where it is taken."""
+    return free_port() if listening(HOST, port) else port
+
+
 def start_viewer(*words: str, port: int) -> subprocess.Popen[bytes]:
     """A viewer or server, once it listens."""
-    if listening(HOST, port):
-        raise VdoorError(f"viewer: port {port} of {HOST} is taken; use --connect {HOST}:{port} if that is a viewer")
     process = start(*words)
     if not wait_until_listening(process, port, PATIENCE_S):
         end(process)
