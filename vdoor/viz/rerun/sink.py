@@ -185,7 +185,7 @@ def open_viewer(recording: Path) -> None:
 
 
 def preferred(port: int) -> int:
-    """This port, or a free one where it is taken."""
+    """The port asked for, or a free one where it is taken."""
     return free_port() if listening(HOST, port) else port
 
 
