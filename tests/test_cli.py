@@ -125,6 +125,15 @@ def test_serving_leaves_whole_files_and_ends_with_ctrl_c(tmp_path: Path) -> None
     assert said.startswith("5 rooms, 4 doors")
 
 
+def test_a_reader_that_goes_away_does_not_cost_the_files(tmp_path: Path) -> None:
+    words = [VDOOR, "run", FLAT, "--mcap", tmp_path / "flat.mcap"]
+    with subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+        assert process.stdout is not None
+        process.stdout.close()
+        process.wait(timeout=60)
+    assert [path.name for path in tmp_path.iterdir()] == ["flat.mcap"]
+
+
 def test_force_overwrites(tmp_path: Path) -> None:
     target = tmp_path / "flat.mcap"
     target.write_text("old")

@@ -80,8 +80,8 @@ def recorded_s(grid: OccupancyGrid, pipeline: Pipeline) -> float:
     info = RunInfo(version="", preset="bench", seed=0, settings={}, source=grid.source)
     with tempfile.TemporaryDirectory() as folder:
         outputs = Outputs(save=Path(folder) / "bench.rrd", mcap=Path(folder) / "bench.mcap")
-        with opened(outputs, info) as sinks:
-            emit: Emit = Recorder(sinks)
+        with opened(outputs, info) as recording:
+            emit: Emit = Recorder(recording.sinks)
             start_s = time.process_time()
             pipeline(grid, np.random.default_rng(0), emit)
         return time.process_time() - start_s

@@ -60,34 +60,56 @@ class Outputs:
                 yield RerunSink.spawn(info), None
 
 
+class Opened:
+    """The sinks of a run, and the names that those which write files will have."""
+
+    def __init__(self) -> None:
+        self.pairs: list[tuple[Sink, Path | None]] = []
+
+    @property
+    def sinks(self) -> list[Sink]:
+        """All of them."""
+        return [sink for sink, _ in self.pairs]
+
+    def finish_files(self) -> None:
+        """Close the files and give them their names; live viewers go on."""
+        for sink, path in self.pairs:
+            if path is not None:
+                sink.close()
+                partial_name(path).replace(path)
+        self.pairs = [(sink, path) for sink, path in self.pairs if path is None]
+
+    def abandon(self, *, keep: bool) -> None:
+        """Close everything; files stay under their partial names and are named on stderr, or are removed."""
+        for sink, path in self.pairs:
+            try:
+                sink.close()
+            except VdoorError as late:
+                say(str(late))
+            if path is not None and not keep:
+                partial_name(path).unlink(missing_ok=True)
+            elif path is not None:
+                say(f"recorded so far: {partial_name(path)}")
+
+
 @contextmanager
-def opened(outputs: Outputs, info: RunInfo) -> Iterator[list[Sink]]:
+def opened(outputs: Outputs, info: RunInfo) -> Iterator[Opened]:
     """The sinks of a run; files get their names when the block ends well, and then a server goes on until Ctrl-C.
 
-    When it is interrupted they are closed, stay under their partial names and are named on stderr. When the input is
-    at fault nothing is left behind.
+    When it is interrupted, what was recorded so far is kept. When the input is at fault nothing is left behind.
     """
-    pairs: list[tuple[Sink, Path | None]] = []
+    run = Opened()
     with interruptible():
         try:
-            pairs.extend(outputs.sinks(info))
-            yield [sink for sink, _ in pairs]
-            for sink, path in pairs:
-                sink.close()
-                if path is not None:
-                    partial_name(path).replace(path)
+            for pair in outputs.sinks(info):
+                run.pairs.append(pair)
+            yield run
+            run.finish_files()
         except BaseException as error:
-            for sink, _ in pairs:
-                try:
-                    sink.close()
-                except VdoorError as late:
-                    say(str(late))
-            for path in map(partial_name, outputs.files):
-                if isinstance(error, VdoorError):
-                    path.unlink(missing_ok=True)
-                elif path.exists():
-                    say(f"recorded so far: {path}")
+            run.abandon(keep=not isinstance(error, VdoorError))
             raise
+        for sink in run.sinks:
+            sink.close()
 
 
 @contextmanager

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import contextmanager
 from operator import itemgetter
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -16,25 +17,36 @@ from vdoor.say import say
 
 if TYPE_CHECKING:
     from vdoor.emit import Emit, RunInfo
-    from vdoor.recording.diff import Setting
+    from vdoor.recording.diff import Listener, Setting
     from vdoor.recording.mcap import Recording
     from vdoor.recording.report import Result
 
 Rec = Annotated[Path, typer.Argument(metavar="REC.mcap", help="Recording of a run.")]
 
 
+SaveDifferences = Annotated[
+    Path | None, typer.Option("--save", metavar="FILE.rrd", help="Both runs over each other, differences marked.")
+]
+
+
 def verify(
     recordings: Annotated[list[Path], typer.Argument(metavar="REC.mcap...", help="Recordings, and folders of them.")],
     *,
     junit: Annotated[Path | None, typer.Option(metavar="FILE.xml", help="The same for a CI system.")] = None,
+    save: SaveDifferences = None,
+    force: Force = False,
     max_cells: MaxCells = 100_000_000,
     as_json: Json = False,
 ) -> None:
     """Run recordings again from their own contents: 0 if all is equal, 1 if not, 2 if one cannot be read."""
-    from vdoor.files import write_whole
+    from vdoor.files import refuse_existing, write_whole
     from vdoor.recording import report
 
-    results = [_verified(path, max_cells) for path in _files(recordings)]
+    refuse_existing([path for path in (junit, save) if path], force=force)
+    files = list(_files(recordings))
+    if save and len(files) > 1:
+        raise SettingError(f"--save: wanted one recording to draw, found {len(files)}")
+    results = [_verified(path, max_cells, save) for path in files]
     print(report.to_json([result.table for result in results]) if as_json else "\n".join(report.table(results)))
     if junit is not None:
         write_whole(junit, report.junit(results))
@@ -45,18 +57,23 @@ def diff(
     one: Annotated[Path, typer.Argument(metavar="A.mcap")],
     other: Annotated[Path, typer.Argument(metavar="B.mcap")],
     *,
+    save: SaveDifferences = None,
+    force: Force = False,
     as_json: Json = False,
 ) -> None:
     """Compare two recordings, settings first, then stage by stage: 0 if all is equal, 1 if not."""
+    from vdoor.files import refuse_existing
     from vdoor.pipeline import RECORDS
     from vdoor.recording import report
     from vdoor.recording.diff import compare, runs_that_differ
     from vdoor.recording.mcap import read_recording
     from vdoor.recording.printable import printable
 
+    refuse_existing([save] if save else [], force=force)
     runs = [read_recording(path, types=RECORDS) for path in (one, other)]
     settings = runs_that_differ(runs[0].info, runs[1].info)
-    found = compare(*(map(itemgetter(1), run) for run in runs), types=RECORDS)
+    with _drawn(save, runs[0].info) as listen:
+        found = compare(*(map(itemgetter(1), run) for run in runs), types=RECORDS, listen=listen)
     if as_json:
         print(report.to_json({"equal": found.equal and not settings, "settings": settings, "comparison": found}))
     else:
@@ -151,7 +168,22 @@ def _files(paths: list[Path]) -> Iterator[Path]:
         yield from found
 
 
-def _verified(path: Path, max_cells: int) -> Result:
+@contextmanager
+def _drawn(save: Path | None, run: RunInfo) -> Iterator[Listener]:
+    """Something that draws each pair of records into `save`, which is whole at the end, or nothing."""
+    from vdoor.recording.diff import ignore
+
+    if save is None:
+        yield ignore
+        return
+    from vdoor.viz.rerun.difference import DifferenceSink
+
+    sink = DifferenceSink(save, run, limit_deg=run.settings.get("candidates", {}).get("angle_deg", 155.0))
+    yield sink
+    sink.close()
+
+
+def _verified(path: Path, max_cells: int, save: Path | None) -> Result:
     """One recording run again; an error becomes its result, so that the others are verified too."""
     import warnings
 
@@ -166,7 +198,9 @@ def _verified(path: Path, max_cells: int) -> Result:
             say(f"note: written by vdoor {recording.info.version!r}, this is {__version__}: {path}")
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # said when it was recorded
-            return Result(path=path, report=verified(recording, lambda run, emit: _run_again(run, emit, max_cells)))
+            with _drawn(save, recording.info) as listen:
+                report = verified(recording, lambda run, emit: _run_again(run, emit, max_cells), listen=listen)
+            return Result(path=path, report=report)
     except VdoorError as error:
         text = str(error).removesuffix(f": {path}")
         say(f"{text}: {path}")

@@ -68,12 +68,13 @@ def run(
     grid = read_grid(map_file, resolution, unknown_value, max_cells, quiet=quiet)
     pipeline = chosen_pipeline(preset, config, set_, robot=robot_place(grid, robot, cells=cells))
     info = _info(grid, preset, pipeline, seed)
-    with opened(outputs, info) as sinks:
-        watch = Stopwatch(Recorder([*sinks, *([] if quiet else [Progress(verbose=verbose)])]))
+    with opened(outputs, info) as recording:
+        watch = Stopwatch(Recorder([*recording.sinks, *([] if quiet else [Progress(verbose=verbose)])]))
         topology = run_pipeline(grid, pipeline, seed=seed, emit=watch)
         document = result.document_of(topology, info, watch.cpu_s)
         if out:
             result.write_result(out, grid, topology, document)
+        recording.finish_files()
         _print_result(topology, document, as_json=as_json)
     if verbose:
         for stage, seconds in watch.cpu_s.items():

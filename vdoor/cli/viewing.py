@@ -96,9 +96,9 @@ def _draw(path: Path, outputs: object, *, pause_s: float = 0.0) -> int:
     assert isinstance(outputs, Outputs)
     recording = read_recording(path, types=RECORDS)
     count = 0
-    with opened(outputs, recording.info) as sinks:
+    with opened(outputs, recording.info) as drawing:
         for step, record in recording:
-            for sink in sinks:
+            for sink in drawing.sinks:
                 sink.write(step, record)
             count += 1
             time.sleep(pause_s)

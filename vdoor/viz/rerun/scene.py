@@ -21,8 +21,10 @@ What does not move along one of them stands at its 0, so that it is seen there a
 class Scene:
     """Where the records of one run are drawn, one after the other."""
 
-    def __init__(self, stream: rr.RecordingStream) -> None:
+    def __init__(self, stream: rr.RecordingStream, *, prefix: str = "") -> None:
         self.stream = stream
+        self.prefix = prefix
+        """Before the name of every entity."""
         self.step = 0
         self.stage = 0
         self.topics: list[str] = []
@@ -49,11 +51,11 @@ class Scene:
 
     def log(self, entity: str, *what: Any) -> None:
         """Log at the current time."""
-        self.stream.log(entity, what[0], *what[1:])
+        self.stream.log(self.prefix + entity, what[0], *what[1:])
 
     def keep(self, entity: str, what: Any) -> None:
         """Log for all times."""
-        self.stream.log(entity, what, static=True)
+        self.stream.log(self.prefix + entity, what, static=True)
 
     def columns(self, entity: str, timeline: str, places: NDArray[Any], columns: Iterable[Any]) -> None:
         """Log one row for each place on a timeline, all at this step."""
@@ -64,7 +66,7 @@ class Scene:
             timeline: places,
         }
         indexes = [rr.TimeColumn(name, sequence=sequence) for name, sequence in sequences.items()]
-        self.stream.send_columns(entity, indexes=indexes, columns=columns)
+        self.stream.send_columns(self.prefix + entity, indexes=indexes, columns=columns)
 
     def raster(self, entity: str, classes: NDArray[Any], *, order: float = 0.0, opacity: float = 1.0) -> None:
         """A raster of class numbers (h, w), reduced where it is larger than a texture can be."""

@@ -59,6 +59,8 @@ def open_tab(client: ViewerClient, tab: str) -> None:
 @contextmanager
 def headless(recording: Path, size: tuple[int, int]) -> Iterator[ViewerClient]:
     """A viewer without a window, once it has loaded the recording."""
+    if not recording.is_file():
+        raise VdoorError(f"pictures: wanted a recording, found none: {recording}")
     port = free_port()
     window = ("--window-size", f"{size[0]}x{size[1]}")
     process = start("--headless", "--port", str(port), *window, "--memory-limit", "4GB", "--", recording)

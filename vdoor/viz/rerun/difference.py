@@ -1,0 +1,137 @@
+"""Two runs drawn over each other, and what differs between them marked."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import rerun as rr
+import rerun.blueprint as rrb
+
+from vdoor.emit import RunInfo
+from vdoor.files import partial_name
+from vdoor.grid import OccupancyGrid
+from vdoor.record import COLUMNS, RASTERS, Frame, Record, specs
+from vdoor.recording.compare import Difference, places, unequal
+from vdoor.recording.diff import Pair
+from vdoor.viz.rerun import style
+from vdoor.viz.rerun.draw import DRAW, draw_any
+from vdoor.viz.rerun.scene import Scene, classes, pixels
+from vdoor.viz.rerun.sink import errors_at, new_stream
+
+EXPECTED, FOUND = "recorded", "again"
+TABS = ("Differences", "Stages", "Search")
+MARK: style.Colour = (230, 0, 200)
+DESCRIPTION = """# Two runs, compared
+
+Both runs are drawn under their own names, `recorded` and `again`; what differs is marked in **magenta** over the map of
+the first. One step of the timeline is one record of both. The log says what differs, stage by stage; what comes after
+the first stage that differs follows from it.
+"""
+
+
+class DifferenceSink:
+    """Draws every pair of records it is called with; the file gets its name when it is closed."""
+
+    def __init__(self, path: Path, info: RunInfo, *, limit_deg: float = 155.0) -> None:
+        self.path = path
+        self._step = 0
+        with errors_at(path):
+            partial_name(path).touch()
+            stream = new_stream(info)
+            stream.save(partial_name(path), default_blueprint=blueprint())
+        self._marks = Scene(stream)
+        self._scenes = {name: Scene(stream, prefix=f"{name}/") for name in (EXPECTED, FOUND)}
+        for scene in self._scenes.values():
+            scene.remembered["threshold_deg"] = limit_deg
+        self._marks.keep("description", rr.TextDocument(DESCRIPTION, media_type="text/markdown"))
+
+    def __call__(self, pair: Pair) -> None:
+        """Draw one pair; the mark of a table's rows stands where the first run has them."""
+        with errors_at(self.path):
+            for name, record in ((EXPECTED, pair.expected), (FOUND, pair.found)):
+                if record is not None:
+                    self._scenes[name].begin(self._step, record.topic)
+                    DRAW.get(type(record), draw_any)(self._scenes[name], record)
+            self._marks.begin(self._step, pair.topic)
+            if pair.expected is None or pair.found is None:
+                self._marks.say(f"{pair.topic} {pair.rank} is in one run alone")
+            else:
+                self._mark(pair.expected, pair.found, pair.differences)
+        self._step += 1
+
+    def close(self) -> None:
+        """Finish the file."""
+        with errors_at(self.path):
+            self._marks.stream.flush()
+            self._marks.stream.disconnect()
+            partial_name(self.path).replace(self.path)
+
+    def _mark(self, expected: Record, found: Record, differences: tuple[Difference, ...]) -> None:
+        """Say each difference, and mark its place where it has one."""
+        fields = specs(type(expected))
+        for difference in differences:
+            worst = difference.worst
+            self._marks.say(
+                f"{expected.topic}.{difference.field}: {difference.count} of {difference.total} differ, "
+                f"{worst.expected} and {worst.found}"
+            )
+            spec = fields[difference.field][0] if difference.field in fields else None
+            one, other = (getattr(record, difference.field, None) for record in (expected, found))
+            if spec is None or not isinstance(one, np.ndarray) or not isinstance(other, np.ndarray):
+                continue
+            if one.shape != other.shape:
+                continue
+            mask = unequal(one, other, spec.tolerance)
+            entity = f"difference/{frame_of(expected)}/{expected.topic}/{difference.field}"
+            if spec.kind in RASTERS:
+                self._marks.keep(entity, classes({0: ("equal", style.CLEAR), 1: ("differs", MARK)}))
+                self._marks.raster(entity, mask.astype(np.uint8), order=60.0)
+            elif spec.kind in COLUMNS and (at := places(expected, spec.axes[0])) is not None:
+                rows = mask.reshape(len(mask), -1).any(axis=1)
+                points = rr.Points2D(pixels(at.cells[rows]), colors=MARK, radii=0.6, draw_order=61.0)
+                self._marks.log(entity, points)
+
+
+def frame_of(record: Record) -> str:
+    """Which of the two frames of a run a record lies in: its input's, or that of the working grid."""
+    at_input = isinstance(record, OccupancyGrid) or record.topic == "map"
+    return "input" if at_input and isinstance(getattr(record, "frame", None), Frame) else "working"
+
+
+def blueprint() -> rrb.Blueprint:
+    """The marked map beside the log, both runs side by side, and both costs."""
+    marked = _view("Differences at the working resolution", f"{EXPECTED}/map/simplified", "difference/working/**")
+    rooms = _view(
+        "Differences in the result", f"{EXPECTED}/input/map", f"{EXPECTED}/rooms/doors", "difference/input/**"
+    )
+    texts = rrb.Tabs(
+        rrb.TextLogView(origin="log", name="What differs"),
+        rrb.TextDocumentView(origin="description", name="Read me"),
+        active_tab=0,
+    )
+    both = [
+        _view(
+            f"{name}: corners and doors",
+            *(f"{name}/map/{part}" for part in ("simplified", "corners/**", "doors/proposed")),
+        )
+        for name in (EXPECTED, FOUND)
+    ]
+    results = [_view(f"{name}: rooms", f"{name}/input/map", f"{name}/rooms/**") for name in (EXPECTED, FOUND)]
+    costs = [rrb.TimeSeriesView(origin=f"{name}/plots/search", name=f"{name}: cost") for name in (EXPECTED, FOUND)]
+    return rrb.Blueprint(
+        rrb.Tabs(
+            rrb.Horizontal(rrb.Vertical(marked, rooms), texts, column_shares=[2, 1], name=TABS[0]),
+            rrb.Grid(*both, *results, grid_columns=2, name=TABS[1]),
+            rrb.Horizontal(*costs, name=TABS[2]),
+        ),
+        rrb.BlueprintPanel(state="collapsed"),
+        rrb.SelectionPanel(state="collapsed"),
+        rrb.TimePanel(state="collapsed", timeline="step", play_state="following"),
+        auto_views=False,
+        auto_layout=False,
+    )
+
+
+def _view(name: str, *contents: str) -> rrb.Spatial2DView:
+    return rrb.Spatial2DView(name=name, origin="/", contents=[f"+ /{path}" for path in contents])
