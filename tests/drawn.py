@@ -8,31 +8,13 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from vdoor.grid import OccupancyGrid
+from vdoor.pipeline import RECORDS
 from vdoor.record import Frame, Record, Spec, specs
-from vdoor.stages.corners import Candidates, Corners
-from vdoor.stages.curvature import Curvature
-from vdoor.stages.doors import VirtualDoors
-from vdoor.stages.rooms import InitialMap
-from vdoor.stages.search import Generation
-from vdoor.stages.simplify import SimplifiedGrid
-from vdoor.stages.trace import BoundaryPath
-from vdoor.topology import TopologicalMap
+
+__all__ = ["RECORDS", "random_record"]
 
 R = TypeVar("R", bound=Record)
 
-RECORDS: tuple[type[Record], ...] = (
-    OccupancyGrid,
-    SimplifiedGrid,
-    BoundaryPath,
-    Curvature,
-    Candidates,
-    Corners,
-    VirtualDoors,
-    InitialMap,
-    Generation,
-    TopologicalMap,
-)
 SPECIAL = np.array([np.inf, -np.inf, np.nan, 0.0, -0.0, 5e-324, 1.7976931348623157e308])
 
 
