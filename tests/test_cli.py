@@ -114,15 +114,19 @@ def test_what_an_interrupted_run_saved_is_kept_without_force(tmp_path: Path) -> 
 
 
 def test_serving_leaves_whole_files_and_ends_with_ctrl_c(tmp_path: Path) -> None:
-    words = ["run", FLAT, "--serve", "--save", tmp_path / "flat.rrd", "--mcap", tmp_path / "flat.mcap"]
-    process = subprocess.Popen([VDOOR, *map(str, words)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-    assert process.stderr is not None
-    assert "open http://127.0.0.1:" in process.stderr.readline()
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["flat.mcap", "flat.rrd"]
-    process.send_signal(signal.SIGINT)
-    said, _ = process.communicate(timeout=60)
+    words = ["run", FLAT, "--serve", "--save", tmp_path / "flat.rrd", "--mcap", tmp_path / "flat.mcap", "-q"]
+    with subprocess.Popen(
+        [VDOOR, *map(str, words)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    ) as process:
+        assert process.stderr is not None
+        said = process.stderr.readline()
+        names = sorted(path.name for path in tmp_path.iterdir())
+        process.send_signal(signal.SIGINT)
+        printed, _ = process.communicate(timeout=60)
+    assert said.startswith("vdoor: open http://127.0.0.1:")
+    assert names == ["flat.mcap", "flat.rrd"]
     assert process.returncode == 0
-    assert said.startswith("5 rooms, 4 doors")
+    assert printed.startswith("5 rooms, 4 doors")
 
 
 def test_a_reader_that_goes_away_does_not_cost_the_files(tmp_path: Path) -> None:

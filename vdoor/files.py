@@ -34,13 +34,14 @@ def make_folder(path: Path) -> Path:
     return path
 
 
-def refuse_existing(paths: Iterable[Path], *, force: bool) -> None:
+def refuse_existing(paths: Iterable[Path], *, force: bool, reads: Path | None = None) -> None:
     """VdoorError naming the first of `paths`, or of their partial names, that exists, unless `force`.
 
-    A partial file is what an interrupted run could save. Folders are refused always.
+    A partial file is what an interrupted run could save; the one that is read may stand there. Folders are refused
+    always.
     """
     for path in itertools.chain.from_iterable((path, partial_name(path)) for path in paths):
         if path.is_dir():
             raise VdoorError(f"output: wanted a file name, found a folder: {path}")
-        if path.exists() and not force:
+        if path.exists() and not force and path != reads:
             raise VdoorError(f"output: exists already, --force overwrites it: {path}")

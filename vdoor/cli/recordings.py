@@ -133,7 +133,7 @@ def recover(
     from vdoor.recording.printable import printable
     from vdoor.recording.recover import recover as recovered
 
-    refuse_existing([out], force=force)
+    refuse_existing([out], force=force, reads=broken)
     found = recovered(broken, out, types=RECORDS)
     if as_json:
         print(report.to_json(found))
