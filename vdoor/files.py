@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Iterable
 from pathlib import Path
 
@@ -37,11 +36,13 @@ def make_folder(path: Path) -> Path:
 def refuse_existing(paths: Iterable[Path], *, force: bool, reads: Path | None = None) -> None:
     """VdoorError naming the first of `paths`, or of their partial names, that exists, unless `force`.
 
-    A partial file is what an interrupted run could save; the one that is read may stand there. Folders are refused
-    always.
+    A partial file is what an interrupted run could save; where it is what the command `reads`, it may stand there.
+    Folders are refused always.
     """
-    for path in itertools.chain.from_iterable((path, partial_name(path)) for path in paths):
-        if path.is_dir():
-            raise VdoorError(f"output: wanted a file name, found a folder: {path}")
-        if path.exists() and not force and path != reads:
-            raise VdoorError(f"output: exists already, --force overwrites it: {path}")
+    for path in paths:
+        saved = [partial_name(path)] if partial_name(path) != reads else []
+        for name in (path, *saved):
+            if name.is_dir():
+                raise VdoorError(f"output: wanted a file name, found a folder: {name}")
+            if name.exists() and not force:
+                raise VdoorError(f"output: exists already, --force overwrites it: {name}")
