@@ -22,6 +22,7 @@ Number = Any  # a number, or an array (p,) of them
 
 # Tilts are summed as whole numbers of this many square degrees, so that sums do not depend on their order.
 TILT_UNIT_DEG2 = 1e-9
+MOST_AT_ONCE = 10_000_000  # nodes, links and covers of all choices that are evaluated together
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -92,6 +93,7 @@ class MergeProblem:
         self.tilt = np.rint(np.degrees(initial.tilt_rad) ** 2 / TILT_UNIT_DEG2).astype(np.int64)
         self.is_region = np.arange(count) < self.regions
         self.small_cells = cost.room_m2 / self.cell_m2
+        self.at_once = max(1, MOST_AT_ONCE // (count + len(self.links[0]) + len(self.cover_edge) + 1))
 
     def open_nodes(self, removed: Bits) -> Bits:
         """Which nodes (p, nodes) are open under each choice (p, edges): regions, and atoms with all doors removed."""
@@ -116,7 +118,13 @@ class MergeProblem:
         return room.reshape(choices, count).astype(np.intp, copy=False), is_open
 
     def evaluate(self, removed: Bits) -> Costs:
-        """Eq. 7 of each choice (p, edges); bit 1 = door removed."""
+        """Eq. 7 of each choice (p, edges); bit 1 = door removed. Memory is bounded however many there are."""
+        parts = [
+            self._evaluate(removed[begin : begin + self.at_once]) for begin in range(0, len(removed), self.at_once)
+        ]
+        return parts[0] if len(parts) == 1 else Costs(*map(np.concatenate, zip(*parts, strict=True)))
+
+    def _evaluate(self, removed: Bits) -> Costs:
         room, is_open = self.rooms(removed)
         choices = len(removed)
         cells = np.bincount(room.ravel(), weights=(is_open * self.cells).ravel())
