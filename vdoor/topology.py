@@ -127,7 +127,8 @@ class TopologicalMap(Record):
         """Rings of one room as x, y."""
         own = self.vertex_room == room
         ring, vertex_m = self.vertex_ring[own], self.vertex_m[own]
-        return tuple(tuple(map(_point, vertex_m[ring == number])) for number in np.unique(ring))
+        rings = np.split(vertex_m, np.flatnonzero(np.diff(ring)) + 1) if len(ring) else []
+        return tuple(tuple((x_m, y_m) for x_m, y_m in points.tolist()) for points in rings)
 
     def corners(self, room: int) -> tuple[Corner, ...]:
         """Corner features of one room's boundary, in the order of the path."""
