@@ -160,6 +160,12 @@ def test_force_overwrites(tmp_path: Path) -> None:
         (["run", FLAT, "--set", "search.method=exhaustive", "--set", "search.most_edges=1"], "annealing"),
         (["run", FLAT, "--mcap", "missing/folder/out.mcap"], "missing/folder"),
         (["run", FLAT, "--save", "missing/folder/out.rrd"], "missing/folder"),
+        (["run", FLAT, "--mcap", "same", "--save", "same"], "twice"),
+        (["run", FLAT, "--save", ""], "file name"),
+        (["run", FLAT, "--save", "x" * 300], "that name"),
+        (["run", FLAT, "--mcap", FLAT, "--force"], "input"),
+        (["run", FLAT, "--mcap", "/dev/null", "--force"], "device"),
+        (["run", FLAT, "--connect", "http://[::1"], "HOST:PORT"),
         (["synth"], "STEM"),
         (["synth", "x", "--kind", "castle"], "castle"),
     ],
@@ -175,6 +181,20 @@ def test_map_without_free_cells_is_refused_by_name_and_leaves_no_file(tmp_path: 
     line = one_line(call(*words, code=2))
     assert "no free cell" in line
     assert [path.name for path in tmp_path.iterdir()] == ["wall.png"]
+
+
+def test_map_whose_name_is_no_text_can_be_recorded(tmp_path: Path) -> None:
+    image = Path(os.fsdecode(os.fsencode(tmp_path) + b"/bad\xff.pgm"))
+    image.write_bytes((HOME / "recordings" / "flat.pgm").read_bytes())
+    call("run", image, "--resolution", "0.2", "--mcap", tmp_path / "o.mcap", "--save", tmp_path / "o.rrd")
+    assert sum(1 for _ in read_recording(tmp_path / "o.mcap", types=RECORDS)) > len(RECORDS)
+
+
+def test_result_folder_that_cannot_be_made_is_refused_before_the_run(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    done = call("run", FLAT, "--mcap", tmp_path / "o.mcap", "--out", tmp_path / "file" / "result", code=2)
+    assert "output folder" in one_line(done)
+    assert [path.name for path in tmp_path.iterdir()] == ["file"]
 
 
 def test_notes_go_to_stderr_and_quiet_silences_them(tmp_path: Path) -> None:

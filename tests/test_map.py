@@ -259,3 +259,15 @@ def test_a_size_that_is_no_multiple_of_the_working_cell_is_filled_up() -> None:
     np.testing.assert_array_equal(found.labels[:-3, :-2], whole.labels)
     np.testing.assert_allclose(found.start_m, whole.start_m + np.array([0, 0.15]), atol=1e-9)
     assert SimplifyGrid().cell_m == CELL_M
+
+
+def test_a_room_is_one_part_at_the_input_although_working_cells_bridge_a_gap() -> None:
+    cells = np.full((40, 80), 100, np.int8)
+    cells[4:36, 4:76] = 0
+    cells[:, 58] = -1  # a line of unknown cells, thinner than a working cell
+    topology = run(OccupancyGrid.from_array(cells, 0.05), "paper")
+    assert len(topology.rooms) == 1
+    assert (topology.labels[4:36, 4:58] == 1).all()
+    assert (topology.labels[:, 58:] == 0).all()
+    assert topology.rooms[0].area_m2 == pytest.approx(32 * 54 * 0.05**2)
+    assert len(topology.rooms[0].polygon_m) == 1

@@ -12,7 +12,7 @@ from types import FrameType
 
 from vdoor.emit import RunInfo, Sink
 from vdoor.errors import VdoorError
-from vdoor.files import partial_name
+from vdoor.files import give_name, partial_name
 from vdoor.record import Record
 from vdoor.say import say
 
@@ -76,7 +76,7 @@ class Opened:
         for sink, path in self.pairs:
             if path is not None:
                 sink.close()
-                partial_name(path).replace(path)
+                give_name(path)
         self.pairs = [(sink, path) for sink, path in self.pairs if path is None]
 
     def abandon(self, *, keep: bool) -> None:

@@ -57,7 +57,7 @@ def run(
 ) -> None:
     """Find the rooms and doors of a map."""
     from vdoor.emit import Recorder, Stopwatch
-    from vdoor.files import refuse_existing
+    from vdoor.files import refuse_existing, refuse_folder, refuse_input
     from vdoor.formats import result
     from vdoor.outputs import Outputs, Progress, opened
     from vdoor.pipeline import run as run_pipeline
@@ -65,16 +65,19 @@ def run(
     outputs = Outputs(save=save, mcap=mcap, connect=connect, serve=serve, spawn=spawn)
     folder_files = [out / name for name in result.NAMES] if out else []
     refuse_existing([*outputs.files, *folder_files], force=force)
+    refuse_input(map_file, [*outputs.files, *folder_files])
+    if out:
+        refuse_folder(out)
     grid = read_grid(map_file, resolution, unknown_value, max_cells, quiet=quiet)
     pipeline = chosen_pipeline(preset, config, set_, robot=robot_place(grid, robot, cells=cells))
     info = _info(grid, preset, pipeline, seed)
     with opened(outputs, info) as recording:
         watch = Stopwatch(Recorder([*recording.sinks, *([] if quiet else [Progress(verbose=verbose)])]))
         topology = run_pipeline(grid, pipeline, seed=seed, emit=watch)
+        recording.finish_files()
         document = result.document_of(topology, info, watch.cpu_s)
         if out:
             result.write_result(out, grid, topology, document)
-        recording.finish_files()
         _print_result(topology, document, as_json=as_json)
     if verbose:
         for stage, seconds in watch.cpu_s.items():

@@ -46,7 +46,7 @@ def synth(
 def bench(
     maps: Annotated[list[Path] | None, typer.Argument(metavar="[MAP]...", help="Default: a synthetic one.")] = None,
     *,
-    tile: Annotated[int, typer.Option(min=1, metavar="N", help="Repeat each map N x N times, joined.")] = 1,
+    tile: Annotated[int, typer.Option(min=1, max=64, metavar="N", help="Repeat each map N x N times, joined.")] = 1,
     record: Annotated[bool, typer.Option("--record", help="Also with both recordings, to a scratch folder.")] = False,
     preset: Preset = "paper",
     set_: Set = None,

@@ -102,11 +102,12 @@ def _reader(request: Request) -> Reader:
 
 def _opened(path: Path, options: dict[str, float | int | str], *, max_cells: int) -> Request:
     """Request to read the map at `path`, with the bytes of all its files, the one at `path` first."""
-    first = (path.name, _bytes(path, max_cells=max_cells))
-    alone = Request(source=Source((first,), options), max_cells=max_cells, paths={path.name: str(path)})
+    name = path.name.encode(errors="surrogateescape").decode(errors="replace")  # recordings hold text
+    first = (name, _bytes(path, max_cells=max_cells))
+    alone = Request(source=Source((first,), options), max_cells=max_cells, paths={name: str(path)})
     needs = _reader(alone).needs
-    with alone.naming(path.name):
-        further = {base_name(needed): path.parent / needed for needed in needs(alone.data(path.name))}
+    with alone.naming(name):
+        further = {base_name(needed): path.parent / needed for needed in needs(alone.data(name))}
     kept = ((name, _bytes(place, max_cells=max_cells)) for name, place in further.items())
     paths = {name: str(place) for name, place in further.items()}
     return replace(alone, source=Source((first, *kept), options), paths=alone.paths | paths)

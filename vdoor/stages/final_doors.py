@@ -82,12 +82,12 @@ def narrow_passages(labels: Ints, doors: Doors, simplified: SimplifiedGrid, fram
         near = near[(pair[near] == [doors.room_a[row], doors.room_b[row]]).all(axis=1)]
         explained[near[_to_segment_m(place_m[near], doors.start_m[row], doors.end_m[row]) <= cell_m]] = True
     start, end, rooms = [], [], []
+    place, pair = place[~explained], pair[~explained]
     for contact in _pieces(place, pair):
-        if not explained[contact].any():
-            one = _farthest(place[contact], place[contact[0]])
-            start.append(one)
-            end.append(_farthest(place[contact], one))
-            rooms.append(pair[contact[0]])
+        one = _farthest(place[contact], place[contact[0]])
+        start.append(one)
+        end.append(_farthest(place[contact], one))
+        rooms.append(pair[contact[0]])
     count = len(rooms)
     start_cell, end_cell = np.array(start).reshape(-1, 2), np.array(end).reshape(-1, 2)
     span = np.abs(end_cell - start_cell)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
+from skimage.measure import label as label_cells
 
 from vdoor.stages.runs import runs_of
 
@@ -15,6 +16,24 @@ def at_input(working: Ints, factor: int, free: Mask) -> Ints:
     """Labels of the working grid at the input's resolution, on its free cells."""
     fine = working.repeat(factor, axis=0).repeat(factor, axis=1) if factor > 1 else working
     return np.where(free, fine[: free.shape[0], : free.shape[1]], 0).astype(np.int32)
+
+
+def whole(labels: Ints) -> Ints:
+    """The labels, each on its largest 4-connected part only, the first one at a tie.
+
+    Cells that are free at the working resolution may lie apart at the input's, behind a line of unknown cells or in
+    a hollow of furniture; flooding then gives those that can be walked to a room again.
+    """
+    part = label_cells(labels, connectivity=1, background=0)
+    runs = runs_of(part)
+    cells = runs.cells(int(part.max(initial=0)))
+    of_part = np.zeros(len(cells), np.int32)
+    of_part[runs.label - 1] = labels[runs.row, runs.begin]
+    order = np.lexsort((np.arange(len(cells)), -cells, of_part))
+    leads = np.append(True, of_part[order][1:] != of_part[order][:-1])[: len(order)]
+    kept = np.zeros(len(cells) + 1, np.int32)
+    kept[order[leads] + 1] = of_part[order[leads]]
+    return np.asarray(kept[part])
 
 
 def flooded(labels: Ints, free: Mask) -> Ints:

@@ -12,7 +12,7 @@ from vdoor.grid import OccupancyGrid
 from vdoor.stages.cost import Bits, MergeProblem
 from vdoor.stages.final_doors import door_rows, narrow_passages
 from vdoor.stages.flips import FlipState
-from vdoor.stages.labels import at_input, flooded, numbered
+from vdoor.stages.labels import at_input, flooded, numbered, whole
 from vdoor.stages.polygons import centres, polygons
 from vdoor.stages.rooms import InitialMap
 from vdoor.stages.runs import runs_of
@@ -38,7 +38,7 @@ class MergeRooms:
         """Rooms and doors; kept doors that separate nothing are dropped."""
         room_of_piece, rows = merged(initial, problem, best.removed)
         working = np.append(0, room_of_piece)[initial.piece]
-        labels = flooded(at_input(working, simplified.factor, grid.free), grid.free)
+        labels = flooded(whole(at_input(working, simplified.factor, grid.free)), grid.free)
         labels, number = numbered(labels, int(room_of_piece.max()))
         doors = door_rows(initial, rows, number)
         passages = narrow_passages(labels, doors, simplified, grid.frame)

@@ -16,6 +16,9 @@ from vdoor.stages.runs import runs_of
 Ints = NDArray[np.int32]
 Mask = NDArray[np.bool_]
 
+HOPS = 3
+"""How many doors a door is looked through for the regions at its sides."""
+
 
 @dataclass(frozen=True)
 class Pieces:
@@ -66,10 +69,7 @@ def atoms(flat: NDArray[np.int64], door: Ints, width: int) -> tuple[NDArray[np.i
     order = np.lexsort((door, flat))
     flat, door = flat[order], door[order]
     cell, begin, count = np.unique(flat, return_index=True, return_counts=True)
-    deepest = count.max(initial=1)
-    sets = np.full((len(cell), deepest), -1, np.int32)
-    sets[np.repeat(np.arange(len(cell)), count), np.arange(len(flat)) - np.repeat(begin, count)] = door
-    _, same_set = np.unique(sets, axis=0, return_inverse=True)
+    same_set = sets_of_doors(door, begin)
     links = []
     for step in (1, width):
         beside = np.searchsorted(cell, cell + step)
@@ -80,6 +80,19 @@ def atoms(flat: NDArray[np.int64], door: Ints, width: int) -> tuple[NDArray[np.i
     atom = components(np.concatenate(links, axis=1), len(cell))
     cover = np.unique(np.stack([np.repeat(atom, count), door], axis=1), axis=0)
     return cell, atom, cover.astype(np.int32)
+
+
+def sets_of_doors(door: Ints, begin: NDArray[np.intp]) -> NDArray[np.uint64]:
+    """A number (cells,) for each cell's set of doors, equal for equal sets: the sum of the doors' scrambled numbers.
+
+    Of a million different sets, two have the same sum with a chance of 1 in 10 million.
+    """
+    if not len(begin):
+        return np.zeros(0, np.uint64)
+    scrambled = (door.astype(np.uint64) + np.uint64(1)) * np.uint64(0x9E3779B97F4A7C15)
+    for shift, factor in ((30, 0xBF58476D1CE4E5B9), (27, 0x94D049BB133111EB)):  # splitmix64
+        scrambled = (scrambled ^ (scrambled >> np.uint64(shift))) * np.uint64(factor)
+    return np.asarray(np.add.reduceat(scrambled ^ (scrambled >> np.uint64(31)), begin))
 
 
 def components(links: NDArray[np.intp], count: int) -> NDArray[np.intp]:
@@ -96,19 +109,22 @@ def borders(pieces: Pieces, doors: int) -> Ints:
     """Rows (k, 2) of door and region it borders, sorted.
 
     A door borders the regions its own atoms touch. Where those are fewer than two, a door beside or across it takes
-    their place on one side, and the regions behind that one count as well.
+    their place on one side, and the regions behind that one count as well, up to `HOPS` doors away.
     """
-    to_atom = pieces.touch[pieces.touch[:, 0] < pieces.regions]
-    own = _join(pieces.cover, to_atom[:, ::-1] - np.array([pieces.regions, 0], np.int32))
-    short = np.bincount(own[:, 0], minlength=doors) < 2  # noqa: PLR2004  # two sides
-    if not short.any():
-        return own
-    between = pieces.touch[pieces.touch[:, 0] >= pieces.regions] - pieces.regions
-    cluster = components(between.T.astype(np.intp), len(pieces.cells) - pieces.regions)
-    behind = np.stack([cluster[to_atom[:, 1] - pieces.regions], to_atom[:, 0]], axis=1)
-    of_cluster = np.stack([pieces.cover[:, 1], cluster[pieces.cover[:, 0]]], axis=1)[short[pieces.cover[:, 1]]]
-    wide = _join(np.unique(of_cluster, axis=0)[:, ::-1], np.unique(behind, axis=0))
-    return np.unique(np.concatenate([own, wide]), axis=0).astype(np.int32)
+    to_region = pieces.touch[pieces.touch[:, 0] < pieces.regions][:, ::-1] - np.array([pieces.regions, 0], np.int32)
+    between = pieces.touch[pieces.touch[:, 0] >= pieces.regions] - np.int32(pieces.regions)
+    to_atom = np.concatenate([between, between[:, ::-1]])
+    atom_and_door = pieces.cover
+    found = _join(atom_and_door, to_region)
+    for _ in range(HOPS):
+        short = np.bincount(found[:, 0], minlength=doors) < 2  # noqa: PLR2004  # two sides
+        atom_and_door = atom_and_door[short[atom_and_door[:, 1]]]
+        if not len(atom_and_door):
+            break
+        reached = _join(atom_and_door, to_atom)[:, ::-1]
+        atom_and_door = np.unique(np.concatenate([atom_and_door, reached]), axis=0)
+        found = np.unique(np.concatenate([found, _join(atom_and_door, to_region)]), axis=0)
+    return found.astype(np.int32)
 
 
 def _join(key_left: NDArray[np.integer], key_right: NDArray[np.integer]) -> Ints:

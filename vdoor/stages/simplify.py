@@ -85,7 +85,9 @@ class SimplifyGrid:
         """The 4-connected component of `free` that holds the robot, else the largest."""
         labels, count = label_cells(free, connectivity=1, return_num=True)
         if count == 0:
-            raise MapError("the map has no free cell, so there is nothing to divide into rooms")
+            raise MapError(
+                f"the map has no free cell at {frame.resolution_m:g} m a cell, so there is nothing to divide into rooms"
+            )
         if not self.robot_m:
             return np.asarray(labels == 1 + np.argmax(runs_of(labels).cells(count)))
         place = frame.cell_from_world(np.array([self.robot_m]))[0]

@@ -70,8 +70,8 @@ class RerunSink:
     @classmethod
     def connect(cls, url: str, info: RunInfo) -> RerunSink:
         """Draw in a viewer that runs; `url` as host:port or rerun+http://host:port/proxy."""
-        parts = urlsplit(url if "//" in url else f"//{url}")
         try:
+            parts = urlsplit(url if "//" in url else f"//{url}")
             host, port = parts.hostname or HOST, parts.port or GRPC_PORT
         except ValueError as error:
             raise VdoorError(f"--connect: wanted HOST:PORT, found {url!r}") from error
