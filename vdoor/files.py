@@ -64,7 +64,7 @@ def refuse_existing(paths: Iterable[Path], *, force: bool, reads: Path | None = 
         if not path.name:
             raise VdoorError(f"output: wanted a file name, found a folder: {path}")
         for name in (path, partial_name(path)):
-            refuse_place(name, force=force or name == reads)
+            refuse_place(name, force=force or (name != path and name == reads))
             place = name.parent.resolve() / name.name
             if place in seen:
                 raise VdoorError(f"output: wanted another name for each file, found one twice: {name}")
