@@ -16,13 +16,13 @@ def synth(
         Path | None, typer.Argument(metavar="STEM", help="Writes STEM.pgm, STEM.yaml and the truth beside.")
     ] = None,
     *,
-    kind: Annotated[str, typer.Option(help="Settings to start from: paper or paper-5cm.")] = "paper",
+    kind: Annotated[str, typer.Option(help="Settings to start from: paper, paper-5cm, home or office.")] = "paper",
     set_: Annotated[list[str] | None, typer.Option("--set", metavar="FIELD=VALUE", help="One setting.")] = None,
     seed: Seed = 0,
     show: Annotated[bool, typer.Option("--show", help="Print the settings instead.")] = False,
     force: Force = False,
 ) -> None:
-    """Draw an apartment with its true rooms and doors."""
+    """Draw a map of our own making, with its true rooms and doors."""
     import numpy as np
 
     from vdoor.config import commented, parse_assignments, replaced

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,35 +11,14 @@ from scipy import ndimage
 from vdoor.grid import FREE, OCCUPIED, OccupancyGrid
 from vdoor.record import Frame
 from vdoor.synth.furnish import furnish
+from vdoor.synth.made import SyntheticMap, TrueDoor
 from vdoor.synth.plan import Door, draw_plan
 from vdoor.synth.sense import cast_rays, hide_what_walls_hide, rough_walls, speckle
 from vdoor.synth.settings import FINE_M, Apartment
 from vdoor.synth.sheet import Sheet, draw_walls, reduced, turned, turned_frame
 
 
-@dataclass(frozen=True)
-class TrueDoor:
-    """A real door: from jamb to jamb in the middle of its wall, in metres of the map frame."""
-
-    start_m: tuple[float, float]
-    end_m: tuple[float, float]
-    width_m: float
-    rooms: tuple[int, int]
-    """Labels of the two rooms, the lower one first."""
-
-
-@dataclass(frozen=True, eq=False)
-class SyntheticMap:
-    """A map and the truth about it."""
-
-    grid: OccupancyGrid
-    rooms: NDArray[np.int32]
-    """Room of each free cell (h, w), from 1; 0 where not free, or free but out of reach of the rooms."""
-    doors: tuple[TrueDoor, ...]
-    settings: Apartment
-
-
-def synthesize(settings: Apartment, rng: np.random.Generator) -> SyntheticMap:
+def draw_apartment(settings: Apartment, rng: np.random.Generator) -> SyntheticMap:
     """Return one apartment; the same generator state gives the same one at any cell size, turned or furnished or not.
 
     Raises `SettingError` if the rooms do not fit.

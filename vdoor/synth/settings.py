@@ -7,8 +7,12 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
+from typing import TYPE_CHECKING
 
 from vdoor.errors import SettingError
+
+if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
 
 FINE_M = 0.025
 """Side of a cell of the raster that everything is drawn on."""
@@ -24,6 +28,15 @@ def snap(value_m: float) -> float:
 def lattice_range(low_m: float, high_m: float) -> range:
     """Return which multiples of `LATTICE_M` lie between the two, both included."""
     return range(math.ceil(low_m / LATTICE_M - 1e-6), math.floor(high_m / LATTICE_M + 1e-6) + 1)
+
+
+def check_bounds(settings: DataclassInstance, bounds: Mapping[str, tuple[float, float]]) -> None:
+    """Raise `SettingError` unless every value lies within its bounds, both included; from 0 to 1e4 where none are."""
+    for field in dataclasses.fields(settings):
+        value, (low, high) = getattr(settings, field.name), bounds.get(field.name, (0.0, 1e4))
+        if not low <= value <= high:  # nan is not in any range
+            place = f"{type(settings).__name__}.{field.name}"
+            raise SettingError(f"{place}: wanted {low:g} to {high:g}, found {value}")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -81,10 +94,7 @@ class Apartment:
 
     def __post_init__(self) -> None:
         """Check every value against what can be drawn."""
-        for field in dataclasses.fields(self):
-            value, (low, high) = getattr(self, field.name), BOUNDS.get(field.name, (0.0, 1e4))
-            if not low <= value <= high:  # nan is not in any range
-                raise SettingError(f"Apartment.{field.name}: wanted {low:g} to {high:g}, found {value}")
+        check_bounds(self, BOUNDS)
         for name in ("wall", "door", "corridor"):
             low, high = getattr(self, f"{name}_min_m"), getattr(self, f"{name}_max_m")
             if not lattice_range(low, high):
@@ -129,12 +139,5 @@ BOUNDS: Mapping[str, tuple[float, float]] = MappingProxyType(
         "rotation_deg": (-360.0, 360.0),
         "margin_m": (0.4, 10.0),
         "cell_m": (FINE_M, 0.2),
-    }
-)
-
-PRESETS: Mapping[str, Apartment] = MappingProxyType(
-    {
-        "paper": Apartment(rooms=5, rooms_spread=1, cell_m=0.2),
-        "paper-5cm": Apartment(rooms=5, rooms_spread=1, cell_m=0.05),
     }
 )

@@ -14,7 +14,7 @@ from PIL import Image
 
 from vdoor.files import make_folder, write_whole
 from vdoor.record import Frame
-from vdoor.synth.apartment import SyntheticMap, TrueDoor
+from vdoor.synth.made import SyntheticMap, TrueDoor
 
 GREY_OCCUPIED, GREY_UNKNOWN, GREY_FREE = 0, 205, 254
 OCCUPIED_THRESH, FREE_THRESH = 0.65, 0.196
@@ -57,9 +57,10 @@ def truth(made: SyntheticMap, *, seed: int | None = None) -> dict[str, Any]:
 
 
 def _door(door: TrueDoor, frame: Frame) -> dict[str, Any]:
-    """Return a door's fields, and its ends in cells."""
+    """Return a door's fields, and its ends in cells; `unsure` is there only where it is true."""
     start, end = frame.cell_from_world(np.array([door.start_m, door.end_m])).round(6).tolist()
-    return dataclasses.asdict(door) | {"start_cell": start, "end_cell": end}
+    fields = {name: value for name, value in dataclasses.asdict(door).items() if name != "unsure" or value}
+    return fields | {"start_cell": start, "end_cell": end}
 
 
 def _pgm(made: SyntheticMap) -> bytes:

@@ -1,0 +1,111 @@
+"""Synthetic offices: what holds for any of them."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pytest
+from drawn_truth import cells_on, contacts, reached, touch_near
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy import ndimage
+
+from vdoor.errors import SettingError
+from vdoor.synth import PRESETS, Office, SyntheticMap, synthesize
+
+SMALL = dataclasses.replace(PRESETS["office"], length_min_m=12.0, length_max_m=24.0)
+PLAIN = dataclasses.replace(SMALL, furniture=False, rough_chance=0.0)
+FULL = dataclasses.replace(SMALL, furnished_chance=1.0, rough_chance=1.0, corridor_door_chance=1.0)
+
+seeds = st.integers(0, 2**32 - 1)
+kinds = st.sampled_from([SMALL, PLAIN, FULL])
+law = settings(max_examples=15, deadline=None, derandomize=True)
+
+
+def made(kind: Office, seed: int) -> SyntheticMap:
+    return synthesize(kind, np.random.default_rng(seed))
+
+
+@law
+@given(kind=kinds, seed=seeds)
+def test_labels_cover_what_is_free_and_in_reach_and_nothing_else(kind: Office, seed: int) -> None:
+    office = made(kind, seed)
+    np.testing.assert_array_equal(office.rooms > 0, reached(office))
+    assert ndimage.label(office.rooms > 0)[1] == 1
+    assert set(np.unique(office.rooms[office.rooms > 0])) == set(range(1, office.rooms.max() + 1))
+
+
+@law
+@given(kind=kinds, seed=seeds)
+def test_labels_meet_at_doors_and_nowhere_else(kind: Office, seed: int) -> None:
+    office = made(kind, seed)
+    listed = {door.rooms for door in office.doors}
+    assert all(touch_near(office, door, 0.3) for door in office.doors)
+    assert all(sides * 0.05 <= 0.3 for pair, sides in contacts(office.rooms).items() if pair not in listed)
+    assert len(office.doors) >= office.rooms.max() - 1
+
+
+@law
+@given(seed=seeds)
+def test_a_door_is_a_free_gap_of_its_width(seed: int) -> None:
+    office = made(PLAIN, seed)
+    for door in office.doors:
+        assert np.hypot(*np.subtract(door.end_m, door.start_m)) == pytest.approx(door.width_m, abs=1e-5)
+        assert 0.8 - 1e-6 <= door.width_m <= 2.6 + 1e-6
+        assert door.unsure == (door.width_m >= PLAIN.unsure_from_m - 1e-9)
+        cells = cells_on(office, door)[8:-8]  # a cell whose middle is in the jamb may begin 4 cm before it
+        assert office.grid.free[tuple(cells.T)].all()
+        assert set(office.rooms[tuple(cells.T)]) <= set(door.rooms)
+
+
+@law
+@given(seed=seeds)
+def test_no_two_doors_lie_on_each_other(seed: int) -> None:
+    middles = np.array([np.add(door.start_m, door.end_m) / 2 for door in made(SMALL, seed).doors])
+    apart = np.hypot(*(middles[:, np.newaxis] - middles).T) + 9 * np.eye(len(middles))
+    assert apart.min() > 0.5
+
+
+@law
+@given(seed=seeds)
+def test_furniture_changes_neither_rooms_nor_doors(seed: int) -> None:
+    bare = made(PLAIN, seed)
+    furnished = made(dataclasses.replace(PLAIN, furniture=True, furnished_chance=1.0), seed)
+    assert [door.width_m for door in bare.doors] == [door.width_m for door in furnished.doors]
+    assert [door.rooms for door in bare.doors] == [door.rooms for door in furnished.doors]
+    # The map ends where knowledge ends: a shelf in the outermost corner moves all doors by the same way.
+    moved = np.array([np.subtract(a.start_m, b.start_m) for a, b in zip(bare.doors, furnished.doors, strict=True)])
+    np.testing.assert_allclose(moved, np.broadcast_to(moved[0], moved.shape), atol=2e-6)
+    assert furnished.grid.free.sum() < bare.grid.free.sum()
+
+
+def test_floors_are_as_varied_as_wanted() -> None:
+    offices = [made(PRESETS["office"], seed) for seed in range(16)]
+    rooms = [int(office.rooms.max()) for office in offices]
+    widths = [door.width_m for office in offices for door in office.doors]
+    assert max(rooms) > 30
+    assert min(rooms) < 20
+    assert np.mean(np.array(widths) <= 1.2) > 0.75
+    assert max(widths) > 1.8
+
+
+def test_the_same_seed_gives_the_same_bytes_and_another_seed_others() -> None:
+    one, again, other = made(SMALL, 1), made(SMALL, 1), made(SMALL, 2)
+    assert one.grid.cells.tobytes() == again.grid.cells.tobytes()
+    assert one.rooms.tobytes() == again.rooms.tobytes()
+    assert one.doors == again.doors
+    assert one.grid.cells.tobytes() != other.grid.cells.tobytes()
+
+
+@pytest.mark.parametrize(
+    ("change", "says"),
+    [
+        ({"corridors_max": 0}, "Office.corridors_max: wanted 1 to 12, found 0"),
+        ({"length_min_m": 50.0}, "Office.length_max_m: wanted at least length_min_m = 50, found 48"),
+        ({"cell_m": 0.2}, "Office.cell_m: wanted 0.025 to 0.1, found 0.2"),
+    ],
+)
+def test_settings_no_office_can_have_are_refused(change: dict[str, float], says: str) -> None:
+    with pytest.raises(SettingError, match=says):
+        Office(**change)  # type: ignore[arg-type]  # wrong on purpose

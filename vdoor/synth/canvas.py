@@ -1,0 +1,135 @@
+"""The fine raster of room numbers that homes and offices are drawn on, and how it is laid on a map's cells."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vdoor.record import Frame
+from vdoor.synth.plan import Rect
+from vdoor.synth.settings import FINE_M
+
+Rooms = NDArray[np.int32]
+Shape = NDArray[np.float64]
+"""Corners (k, 2) as x, y of a convex polygon, counter-clockwise."""
+
+
+@dataclass(frozen=True, eq=False)
+class Canvas:
+    """Number of the room that each fine cell (h, w) belongs to, 0 where one cannot go; row 0 is the top."""
+
+    rooms: Rooms
+
+    @classmethod
+    def blank(cls, size_m: tuple[float, float]) -> Canvas:
+        """Return a canvas of that width and height, all solid."""
+        width, height = (math.ceil(side / FINE_M) for side in size_m)
+        return cls(np.zeros((height, width), np.int32))
+
+    def window(self, rect: Rect) -> tuple[slice, slice]:
+        """Rows and columns of the cells within a rectangle, as far as it is on the canvas."""
+        height, width = self.rooms.shape
+        left, right = (min(max(round(x / FINE_M), 0), width) for x in (rect.low[0], rect.high[0]))
+        bottom, top = (min(max(round(y / FINE_M), 0), height) for y in (rect.low[1], rect.high[1]))
+        return slice(height - top, height - bottom), slice(left, right)
+
+    def paint(self, rect: Rect, room: int) -> None:
+        """Give the cells within a rectangle to a room."""
+        self.rooms[self.window(rect)] = room
+
+    def open(self, rect: Rect, line: NDArray[np.float64], rooms: tuple[int, int]) -> None:
+        """Give the cells of a rectangle to the rooms on the left and on the right of a line (2, 2) through it."""
+        rows, cols = self.window(rect)
+        x, y = self._centres(rows, cols)
+        (x0, y0), (x1, y1) = line.tolist()
+        left = (x1 - x0) * (y - y0) >= (y1 - y0) * (x - x0)
+        self.rooms[rows, cols] = np.where(left, *rooms)
+
+    def block(self, shape: Shape) -> None:
+        """Make the cells solid whose centres lie within a convex polygon."""
+        low, high = shape.min(axis=0), shape.max(axis=0)
+        rows, cols = self.window(Rect((low[0], low[1]), (high[0], high[1])).grown(FINE_M, FINE_M))
+        x, y = self._centres(rows, cols)
+        inside = np.ones((y.size, x.size), np.bool_)
+        for (x0, y0), (x1, y1) in zip(shape.tolist(), np.roll(shape, -1, axis=0).tolist(), strict=True):
+            inside &= (x1 - x0) * (y - y0) >= (y1 - y0) * (x - x0)
+        self.rooms[rows, cols][inside] = 0
+
+    def _centres(self, rows: slice, cols: slice) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Return x (1, w) and y (h, 1) of the middles of the cells of a window."""
+        x = (np.arange(cols.start, cols.stop) + 0.5) * FINE_M
+        y = (self.rooms.shape[0] - np.arange(rows.start, rows.stop) - 0.5) * FINE_M
+        return x[np.newaxis], y[:, np.newaxis]
+
+    def at(self, point: tuple[float, float]) -> int:
+        """Room at a point, 0 beyond the edges."""
+        row, col = self.rooms.shape[0] - 1 - math.floor(point[1] / FINE_M), math.floor(point[0] / FINE_M)
+        inside = 0 <= row < self.rooms.shape[0] and 0 <= col < self.rooms.shape[1]
+        return int(self.rooms[row, col]) if inside else 0
+
+    def placed(self, yaw_rad: float, cell_m: float, margin_m: float, phase: tuple[float, float]) -> Placed:
+        """Return the canvas turned and laid on cells of `cell_m`: each has the room of its middle.
+
+        Around it are `margin_m` and up to a cell more, by `phase` (two shares of a cell); the origin is (0, 0).
+        """
+        height, width = self.rooms.shape
+        corners = np.array([(-0.5, -0.5), (-0.5, width - 0.5), (height - 0.5, -0.5), (height - 0.5, width - 0.5)])
+        around = Frame(height, width, FINE_M, 0.0, 0.0, yaw_rad).world_from_cell(corners)
+        low, high = around.min(axis=0), around.max(axis=0)
+        x_m, y_m = (margin_m + phase[k] * cell_m - float(low[k]) for k in (0, 1))
+        cols, rows = (math.ceil((float(high[k] - low[k]) + 2 * margin_m) / cell_m) + 1 for k in (0, 1))
+        source, target = Frame(height, width, FINE_M, x_m, y_m, yaw_rad), Frame(rows, cols, cell_m)
+        # The way from cell to cell is affine: three points tell all of it, and sums of a column and a row are cheap.
+        start, down, right = source.cell_from_world(target.world_from_cell(np.array([(0, 0), (1, 0), (0, 1)])))
+        steps = np.arange(rows)[:, np.newaxis], np.arange(cols)
+        row, col = (
+            np.rint(start[k] + steps[0] * (down - start)[k] + steps[1] * (right - start)[k]).astype(np.intp)
+            for k in (0, 1)
+        )
+        known = (row >= 0) & (row < height) & (col >= 0) & (col < width)
+        at = np.where(known, row * width + col, 0)
+        return Placed(np.where(known, self.rooms.ravel()[at], 0).astype(np.int32), source, cell_m)
+
+
+@dataclass(eq=False)
+class Placed:
+    """A drawn plan on the map's cells: `rooms` (h, w), 0 where one cannot go, and where the canvas lies on the map."""
+
+    rooms: Rooms
+    canvas: Frame
+    cell_m: float
+
+    @property
+    def frame(self) -> Frame:
+        """The map's own frame."""
+        return Frame(self.rooms.shape[0], self.rooms.shape[1], self.cell_m)
+
+    def map_from_plan(self, points_m: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Map coordinates (k, 2) of points of the plan (k, 2), both x, y."""
+        flat = Frame(self.canvas.height, self.canvas.width, FINE_M)
+        return self.canvas.world_from_cell(flat.cell_from_world(points_m))
+
+    def cells_from_plan(self, points_m: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Cells (k, 2) as row, col of points of the plan (k, 2), not rounded."""
+        return self.frame.cell_from_world(self.map_from_plan(points_m))
+
+
+def turned_box(middle: tuple[float, float], sides: tuple[float, float], angle_rad: float = 0.0) -> Shape:
+    """Return a rectangle about `middle`, turned."""
+    corners = np.array([(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)]) * sides
+    cos, sin = math.cos(angle_rad), math.sin(angle_rad)
+    return np.asarray(corners @ np.array([(cos, sin), (-sin, cos)]) + middle)
+
+
+def box(rect: Rect) -> Shape:
+    """Return an upright rectangle as a shape."""
+    return turned_box(rect.middle, rect.sides)
+
+
+def disc(middle: tuple[float, float], radius_m: float) -> Shape:
+    """Return a regular polygon of twelve corners."""
+    angle = np.arange(12) * math.pi / 6
+    return np.asarray(np.stack([np.cos(angle), np.sin(angle)], axis=1) * radius_m + middle)

@@ -1,0 +1,128 @@
+"""From settings and a random generator to a home as a robot vacuum maps it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from vdoor.synth import scan, things
+from vdoor.synth.canvas import Placed, Shape, box
+from vdoor.synth.home_plan import draw_home_plan
+from vdoor.synth.home_settings import Home
+from vdoor.synth.layout import Drawn, Gap, Layout, Opened, SlantingGap, drawn, keep_passable
+from vdoor.synth.made import SyntheticMap
+from vdoor.synth.plan import Rect
+from vdoor.synth.truth import with_truth
+
+AROUND_M = 4.0
+"""As far as rays may go beyond the plan."""
+JAGGED_CHANCE = 0.4
+
+
+def draw_home(settings: Home, rng: np.random.Generator) -> SyntheticMap:
+    """Return one home; the same generator state gives the same plan with other furniture or artefacts."""
+    for_plan, for_doors, for_furniture, for_place, for_scan = rng.spawn(5)
+    layout = draw_home_plan(settings, for_plan)
+    plan = drawn(layout)
+    standing = _beside_doors(plan.opened, settings, for_doors) + _furniture(layout, settings, for_furniture)
+    keep_passable(plan, standing)
+    yaw = turn(settings.rotated_chance, for_place)
+    placed = plan.canvas.placed(yaw, settings.cell_m, AROUND_M, (for_place.random(), for_place.random()))
+    cells = _scanned(placed, plan, settings, for_scan)
+    return with_truth(cells, placed, plan.opened, settings)
+
+
+def turn(chance: float, rng: np.random.Generator) -> float:
+    """Return by how much a map does not lie straight (radians): by up to 6 degrees, two in five of them up to 45."""
+    most = 45.0 if rng.random() < 0.4 else 6.0  # noqa: PLR2004
+    return math.radians(rng.uniform(-most, most)) if rng.random() < chance else 0.0
+
+
+def _beside_doors(opened: Sequence[Opened], settings: Home, rng: np.random.Generator) -> list[tuple[Rect, Shape]]:
+    """Return leaves and what flanks doors, each with the place by its door."""
+    found: list[tuple[Rect, Shape]] = []
+    for gap in (door.gap for door in opened if not isinstance(door.gap, SlantingGap)):
+        if gap.leaf and rng.random() < settings.leaf_chance:
+            found.append((gap.rect, things.leaf(gap, rng)))
+        if rng.random() < settings.niche_chance:
+            found += [(gap.rect, shape) for shape in things.niche(gap, rng)]
+    return found
+
+
+def _furniture(layout: Layout, settings: Home, rng: np.random.Generator) -> list[tuple[Rect, Shape]]:
+    """Return shafts, and what stands in all rooms unless furniture is off, each with its floor."""
+    wide, close = ([gap.clear(away, 0.05) for gap in layout.gaps] for away in (0.6, 0.25))
+    floors = [floor for floor in layout.floors if min(floor.sides) > things.PASSAGE_M]
+    found: list[tuple[Rect, Shape]] = []
+    for k in rng.integers(len(floors), size=rng.poisson(settings.shafts)).tolist():
+        found += [(floors[k], box(rect)) for rect in things.shaft(floors[k], rng)]
+    lively = math.exp(rng.uniform(math.log(settings.clutter_min_per_m2), math.log(settings.clutter_max_per_m2)))
+    if settings.furniture:
+        for floor in floors:
+            found += [(floor, shape) for shape in _large(floor, settings, rng) if things.clear_of(shape, wide)]
+            found += [(floor, shape) for shape in _small(floor, lively, rng) if things.clear_of(shape, close)]
+    return [(floor, shape) for floor, shape in found if things.clear_of(shape, close)]
+
+
+def _large(floor: Rect, settings: Home, rng: np.random.Generator) -> list[Shape]:
+    """Return cupboards, beds and sofas of one room, and boxes that stand free."""
+    pieces = [
+        box(rect)
+        for _ in range(rng.poisson(min(settings.wall_pieces_per_m2 * floor.area, 6.0)))
+        for rect in things.against_wall(floor, (0.3, 2.0), (0.1, 1.0), rng, jagged_chance=JAGGED_CHANCE)
+    ]
+    free = [
+        things.free_standing(floor, (0.2, 1.1), rng, turned_chance=0.4)
+        for _ in range(rng.poisson(min(settings.free_pieces_per_m2 * floor.area, 2.5)))
+    ]
+    return pieces + [piece for piece in free if piece is not None]
+
+
+def _small(floor: Rect, clutter_per_m2: float, rng: np.random.Generator) -> list[Shape]:
+    """Return clutter, and legs of tables and chairs."""
+    found = [things.clutter(floor, rng) for _ in range(rng.poisson(clutter_per_m2 * floor.area))]
+    for _ in range(rng.poisson(clutter_per_m2 * floor.area / 5)):
+        around = things.free_standing(floor, (0.3, 1.4), rng, turned_chance=0.4)
+        if around is not None:
+            found += things.legs(around, rng.uniform(0.04, 0.1))
+    return found
+
+
+def _scanned(placed: Placed, plan: Drawn, settings: Home, rng: np.random.Generator) -> scan.Cells:
+    """Return the cells as the robot shows them; `placed.rooms` loses what it did not see, and gains what rays freed."""
+    rooms = placed.rooms
+    doors = placed.cells_from_plan(np.array([door.gap.rect.middle for door in plan.opened]).reshape(-1, 2))
+    unseen = np.zeros(rooms.shape, np.bool_)
+    for _ in range(int(rng.integers(1, 4)) if rng.random() < settings.corners_chance else 0):
+        unseen |= scan.leave_corners(rooms, doors, 0.12, rng)
+    if rng.random() < settings.rough_chance:
+        scan.roughen(rooms, rng.uniform(0.0, settings.rough_max), rng)
+    cells = scan.outlined(rooms, unseen, depth=2 if rng.random() < 0.15 else 1)  # noqa: PLR2004  # one in seven
+    scan.forget_walls(cells, rng.uniform(0.0, settings.unknown_max) * (rng.random() < 0.6), rng)  # noqa: PLR2004
+    if rng.random() < settings.holes_chance:
+        scan.pierce(rooms, cells, int(rng.integers(1, 5)), rng)
+    for gap in plan.shut:
+        _look_through(gap, placed, cells, rng)
+    for _ in range(rng.poisson(settings.windows)):
+        scan.look_outside(placed, cells, (0.3, 3.5), rng)
+    for _ in range(int(rng.integers(1, 9)) if rng.random() < settings.pockets_chance else 0):
+        scan.draw_pockets(rooms, cells, settings.cell_m, rng)
+    scan.speckle(rooms, cells, int(rng.poisson(settings.specks)), rng)
+    return cells
+
+
+def _look_through(gap: Gap, placed: Placed, cells: scan.Cells, rng: np.random.Generator) -> None:
+    """Show what is seen of a room that was not visited, through its door; now and then the door was shut."""
+    if rng.random() < 0.4:  # noqa: PLR2004
+        return
+    away = rng.uniform(0.4, 1.5)
+    for sign in (-1, 1):
+        ends = placed.cells_from_plan(np.array([gap.before(sign, away), gap.rect.middle]))
+        row, col = np.rint(ends[0]).astype(int)
+        if placed.rooms[row, col]:
+            angle = math.atan2(*(ends[1] - ends[0]))
+            half = math.atan(0.4 * gap.width_m / away)
+            reach = (away + rng.uniform(0.5, 3.0)) / placed.cell_m
+            scan.cast(placed.rooms, cells, scan.Fan((float(row), float(col)), angle, half, reach), rng)

@@ -1,0 +1,153 @@
+"""What kind of home to draw: as a robot vacuum maps it, lived in and seen in part."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+
+from vdoor.errors import SettingError
+from vdoor.synth.settings import CHANCE, check_bounds
+
+
+@dataclass(frozen=True, kw_only=True)
+class Home:
+    """Settings of one home; what comes as `_min` and `_max` is drawn in between.
+
+    Raises `SettingError` for values that no home can have.
+    """
+
+    area_min_m2: float = 28.0
+    """Between the outer walls; drawn evenly on a logarithmic scale."""
+    area_max_m2: float = 170.0
+    aspect_max: float = 2.2
+    """The longer side over the shorter one is drawn from 1 to this."""
+    room_min_m2: float = 9.0
+    """Rooms are divided until they are below a size drawn from here to `room_max_m2`, times 0.5 to 1 each."""
+    room_max_m2: float = 30.0
+    room_side_min_m: float = 1.3
+    corridor_chance: float = 0.6
+    """Chance of a corridor, in homes of over 45 m2."""
+    corridor_min_m: float = 0.95
+    corridor_max_m: float = 1.7
+    wall_min_m: float = 0.075
+    wall_max_m: float = 0.25
+    door_min_m: float = 0.7
+    door_max_m: float = 1.1
+    door_corner_chance: float = 0.75
+    """Chance of a door within 0.05 to 0.3 m of a corner."""
+    extra_door_chance: float = 0.12
+    """Chance of a door between two neighbours who do not need it to reach each other."""
+    open_chance_min: float = 0.05
+    """Share of doors that are openings of 1.2 to 3 m: drawn per home, from here to `open_chance_max`."""
+    open_chance_max: float = 0.3
+    merge_chance_max: float = 0.18
+    """Share of neighbours with no wall between them, which are one room: drawn per home from 0 to this."""
+    unsure_from_m: float = 1.5
+    """Openings from this width on are marked as unsure."""
+    jog_chance: float = 0.3
+    """Chance that the wall is set back on one side of a door next to a corner, so that the door lies aslant."""
+    outside_chance: float = 0.08
+    """Share of rooms that belong to the neighbours: homes are not boxes."""
+    leaf_chance: float = 0.55
+    """Chance of a door's open leaf in the map."""
+    niche_chance: float = 0.3
+    """Chance of something beside a door, 0.1 to 0.6 m deep and long."""
+    furniture: bool = True
+    wall_pieces_per_m2: float = 0.28
+    """Against walls, at most six a room on average."""
+    free_pieces_per_m2: float = 0.09
+    """Free-standing, at most two and a half a room on average."""
+    clutter_min_per_m2: float = 0.2
+    """Legs and small things: drawn per home, on a logarithmic scale, from here to `clutter_max_per_m2`."""
+    clutter_max_per_m2: float = 0.9
+    shafts: float = 0.5
+    """Mean number of chimneys and shafts in the corners of rooms."""
+    windows: float = 0.7
+    """Mean number of windows through which scan rays leave."""
+    holes_chance: float = 0.5
+    """Chance of a home with small holes in its walls."""
+    rough_chance: float = 0.75
+    """Chance of a home with rough walls."""
+    rough_max: float = 0.12
+    """Share of a rough home's wall that is a cell off: drawn from 0 to this."""
+    corners_chance: float = 0.4
+    """Chance of a home with corners that were not explored."""
+    unknown_max: float = 0.15
+    """Share of wall cells that are unknown: drawn per home from 0 to this."""
+    pockets_chance: float = 0.25
+    """Chance of a home with thin lines of unknown cells in its rooms."""
+    specks: float = 0.7
+    """Mean number of free or occupied blots out of reach."""
+    left_out_chance: float = 0.2
+    """Chance of a home in which a room was not visited."""
+    rotated_chance: float = 0.35
+    """Chance of a home that does not lie straight: by up to 6 degrees, two in five of them by up to 45."""
+    cell_m: float = 0.05
+
+    def __post_init__(self) -> None:
+        """Check every value against what can be drawn."""
+        check_bounds(self, BOUNDS)
+        for low, high in PAIRS:
+            if getattr(self, low) > getattr(self, high):
+                found = f"{low} = {getattr(self, low):g}"
+                raise SettingError(f"Home.{high}: wanted at least {found}, found {getattr(self, high):g}")
+
+
+PAIRS = (
+    ("area_min_m2", "area_max_m2"),
+    ("room_min_m2", "room_max_m2"),
+    ("corridor_min_m", "corridor_max_m"),
+    ("wall_min_m", "wall_max_m"),
+    ("door_min_m", "door_max_m"),
+    ("open_chance_min", "open_chance_max"),
+    ("clutter_min_per_m2", "clutter_max_per_m2"),
+)
+BOUNDS: Mapping[str, tuple[float, float]] = MappingProxyType(
+    {
+        "area_min_m2": (8.0, 1000.0),
+        "area_max_m2": (8.0, 1000.0),
+        "aspect_max": (1.0, 4.0),
+        "room_min_m2": (4.0, 200.0),
+        "room_max_m2": (4.0, 200.0),
+        "room_side_min_m": (1.0, 5.0),
+        "corridor_min_m": (0.8, 3.0),
+        "corridor_max_m": (0.8, 3.0),
+        "wall_min_m": (0.075, 0.4),  # thinner walls would leak when they are turned
+        "wall_max_m": (0.075, 0.4),
+        "door_min_m": (0.5, 1.2),
+        "door_max_m": (0.5, 1.2),
+        "unsure_from_m": (1.2, 10.0),
+        "wall_pieces_per_m2": CHANCE,
+        "free_pieces_per_m2": CHANCE,
+        "clutter_min_per_m2": (0.001, 3.0),
+        "clutter_max_per_m2": (0.001, 3.0),
+        "shafts": (0.0, 20.0),
+        "windows": (0.0, 20.0),
+        "specks": (0.0, 100.0),
+        "rough_max": (0.0, 0.5),
+        "unknown_max": (0.0, 0.9),
+        "cell_m": (0.025, 0.05),  # walls are drawn for cells no larger
+        **dict.fromkeys(
+            (
+                "corridor_chance",
+                "door_corner_chance",
+                "extra_door_chance",
+                "open_chance_min",
+                "open_chance_max",
+                "merge_chance_max",
+                "jog_chance",
+                "outside_chance",
+                "leaf_chance",
+                "niche_chance",
+                "holes_chance",
+                "rough_chance",
+                "corners_chance",
+                "pockets_chance",
+                "left_out_chance",
+                "rotated_chance",
+            ),
+            CHANCE,
+        ),
+    }
+)

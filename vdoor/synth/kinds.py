@@ -1,0 +1,42 @@
+"""The kinds of maps that can be drawn, and their settings by name."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+
+from vdoor.synth.apartment import draw_apartment
+from vdoor.synth.home import draw_home
+from vdoor.synth.home_settings import Home
+from vdoor.synth.made import SyntheticMap
+from vdoor.synth.office import draw_office
+from vdoor.synth.office_settings import Office
+from vdoor.synth.settings import Apartment
+
+DRAW: Mapping[type, Callable[[Any, np.random.Generator], SyntheticMap]] = MappingProxyType(
+    {
+        Apartment: draw_apartment,  # the paper's kind: orthogonal, sparsely cluttered
+        Home: draw_home,  # as a robot vacuum maps it
+        Office: draw_office,  # a floor of an office building
+    }
+)
+
+PRESETS: Mapping[str, Any] = MappingProxyType(  # Any: each kind has settings of its own, and checks them
+    {
+        "paper": Apartment(rooms=5, rooms_spread=1, cell_m=0.2),
+        "paper-5cm": Apartment(rooms=5, rooms_spread=1, cell_m=0.05),
+        "home": Home(),
+        "office": Office(),
+    }
+)
+
+
+def synthesize(settings: Apartment | Home | Office, rng: np.random.Generator) -> SyntheticMap:
+    """Return one map of the settings' kind; the same generator state gives the same one.
+
+    Raises `SettingError` if the rooms of an apartment do not fit.
+    """
+    return DRAW[type(settings)](settings, rng)

@@ -1,0 +1,104 @@
+"""What kind of office floor to draw: corridors with rooms on both sides, halls, cubicles, as in architects' plans."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+
+from vdoor.errors import SettingError
+from vdoor.synth.settings import CHANCE, check_bounds
+
+
+@dataclass(frozen=True, kw_only=True)
+class Office:
+    """Settings of one office floor; what comes as `_min` and `_max` is drawn in between.
+
+    Raises `SettingError` for values that no office can have.
+    """
+
+    length_min_m: float = 18.0
+    """Along the main corridors."""
+    length_max_m: float = 48.0
+    corridors_max: int = 3
+    """Main corridors, from 1 to this; cross corridors join them."""
+    corridor_min_m: float = 1.4
+    corridor_max_m: float = 3.0
+    room_depth_min_m: float = 3.2
+    room_depth_max_m: float = 7.0
+    room_width_min_m: float = 2.2
+    room_width_max_m: float = 6.5
+    wall_min_m: float = 0.1
+    wall_max_m: float = 0.3
+    door_min_m: float = 0.8
+    """One width is drawn for the floor, a few doors differ."""
+    door_max_m: float = 1.1
+    double_chance: float = 0.08
+    """Chance of a double door of 1.4 to 2 m; halls have them more often."""
+    open_chance: float = 0.05
+    """Chance of an opening of 1.2 to 2.6 m in place of a door."""
+    unsure_from_m: float = 2.1
+    """Openings from this width on are marked as unsure."""
+    door_corner_chance: float = 0.7
+    extra_door_chance: float = 0.08
+    """Chance of a door between neighbours, and of a second one to a corridor."""
+    corridor_door_chance: float = 0.35
+    """Chance of a door across a corridor, for each of its spans."""
+    anteroom_chance: float = 0.08
+    """Chance that a room is divided in two, one behind the other."""
+    notch_chance: float = 0.45
+    """Chance for each outer row of rooms that part of it is missing."""
+    furnished_chance: float = 0.6
+    furniture: bool = True
+    """False: none, whatever the chance."""
+    rough_chance: float = 0.25
+    """Chance of a floor that was scanned, not drawn: rough walls, a few rays."""
+    rough_max: float = 0.1
+    rotated_chance: float = 0.3
+    """Chance of a floor that does not lie straight: by up to 6 degrees, two in five of them by up to 45."""
+    cell_m: float = 0.05
+
+    def __post_init__(self) -> None:
+        """Check every value against what can be drawn."""
+        check_bounds(self, BOUNDS)
+        for name in ("length", "corridor", "room_depth", "room_width", "wall", "door"):
+            low, high = getattr(self, f"{name}_min_m"), getattr(self, f"{name}_max_m")
+            if low > high:
+                raise SettingError(f"Office.{name}_max_m: wanted at least {name}_min_m = {low:g}, found {high:g}")
+
+
+BOUNDS: Mapping[str, tuple[float, float]] = MappingProxyType(
+    {
+        "length_min_m": (8.0, 200.0),
+        "length_max_m": (8.0, 200.0),
+        "corridors_max": (1, 12),
+        "corridor_min_m": (1.0, 8.0),
+        "corridor_max_m": (1.0, 8.0),
+        "room_depth_min_m": (2.0, 20.0),
+        "room_depth_max_m": (2.0, 20.0),
+        "room_width_min_m": (1.8, 20.0),
+        "room_width_max_m": (1.8, 20.0),
+        "wall_min_m": (0.1, 0.5),
+        "wall_max_m": (0.1, 0.5),
+        "door_min_m": (0.7, 1.3),
+        "door_max_m": (0.7, 1.3),
+        "unsure_from_m": (1.2, 10.0),
+        "rough_max": (0.0, 0.5),
+        "cell_m": (0.025, 0.1),
+        **dict.fromkeys(
+            (
+                "double_chance",
+                "open_chance",
+                "door_corner_chance",
+                "extra_door_chance",
+                "corridor_door_chance",
+                "anteroom_chance",
+                "notch_chance",
+                "furnished_chance",
+                "rough_chance",
+                "rotated_chance",
+            ),
+            CHANCE,
+        ),
+    }
+)

@@ -1,0 +1,36 @@
+"""A floor of an office while it is drawn."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from vdoor.synth.layout import Gap, fine
+from vdoor.synth.office_settings import Office
+from vdoor.synth.plan import Rect
+
+
+@dataclass
+class Sketch:
+    """A floor while it is drawn."""
+
+    settings: Office
+    rng: np.random.Generator
+    wall_m: float
+    door_m: float
+    corridors: list[Rect] = field(default_factory=list)
+    rooms: list[Rect] = field(default_factory=list)
+    halls: list[Rect] = field(default_factory=list)
+    """Rooms with wide doors."""
+    solids: list[Rect] = field(default_factory=list)
+    pits: list[Rect] = field(default_factory=list)
+    gaps: list[Gap] = field(default_factory=list)
+
+    def between(self, name: str) -> float:
+        """Draw one of the settings that come as `_min_m` and `_max_m`, on the fine raster."""
+        return fine(self.rng.uniform(getattr(self.settings, f"{name}_min_m"), getattr(self.settings, f"{name}_max_m")))
+
+    def chance(self, share: float) -> bool:
+        """Whether something of that chance happens."""
+        return bool(self.rng.random() < share)

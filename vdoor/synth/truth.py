@@ -1,0 +1,85 @@
+"""From cells and room numbers to a map with its truth: rooms in reach, and the doors that still join two of them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import ndimage
+
+from vdoor.grid import UNKNOWN, OccupancyGrid
+from vdoor.record import Frame
+from vdoor.synth.canvas import Placed, Rooms
+from vdoor.synth.home_settings import Home
+from vdoor.synth.layout import Opened
+from vdoor.synth.made import SyntheticMap, TrueDoor
+from vdoor.synth.office_settings import Office
+
+MARGIN = 2
+"""Unknown cells around what is known."""
+LEAST_M2 = 0.25
+"""A room of which less is in reach is part of its neighbour."""
+
+
+def with_truth(
+    cells: NDArray[np.int8], placed: Placed, opened: Sequence[Opened], settings: Home | Office
+) -> SyntheticMap:
+    """Return the map cut to what is known, rooms numbered anew from 1, and doors where two of them touch."""
+    rooms = _in_reach(placed.rooms)
+    doors = [door for door in opened if _touch(rooms, door, placed)]
+    rooms, doors = _joined_where_tiny(rooms, doors, placed.cell_m)
+    known = [np.flatnonzero((cells != UNKNOWN).any(axis=axis)) for axis in (1, 0)]
+    top, bottom, left, right = known[0][0], known[0][-1], known[1][0], known[1][-1]
+    crop = np.s_[top : bottom + 1, left : right + 1]
+    cut_cells = np.pad(cells[crop], MARGIN, constant_values=UNKNOWN)
+    numbers, flat = np.unique(np.pad(rooms[crop], MARGIN), return_inverse=True)
+    numbered = flat.reshape(cut_cells.shape).astype(np.int32) + (numbers[0] != 0)
+    shift = np.array([MARGIN - top, MARGIN - left])
+    grid = OccupancyGrid.from_array(cut_cells, placed.cell_m)
+    label = {number: k + int(numbers[0] != 0) for k, number in enumerate(numbers.tolist())}
+    return SyntheticMap(
+        grid, numbered, tuple(_true_door(door, placed, grid.frame, shift, label) for door in doors), settings
+    )
+
+
+def _in_reach(rooms: Rooms) -> Rooms:
+    """Return the rooms without what is not 4-connected to most of them."""
+    part, _ = ndimage.label(rooms > 0)
+    sizes = np.bincount(part.ravel())
+    sizes[0] = 0
+    return np.where(part == sizes.argmax(), rooms, 0).astype(np.int32)
+
+
+def _touch(rooms: Rooms, door: Opened, placed: Placed) -> bool:
+    """Whether the two rooms touch in or near the gap."""
+    rect = door.gap.clear(0.1, 0.1)
+    corners = np.array([rect.low, rect.high, (rect.low[0], rect.high[1]), (rect.high[0], rect.low[1])])
+    cells = np.rint(placed.cells_from_plan(corners)).astype(int)
+    low, high = np.maximum(cells.min(axis=0), 0), cells.max(axis=0) + 1
+    near = rooms[low[0] : high[0], low[1] : high[1]]
+    a, b = door.rooms
+    sides = (near[1:], near[:-1]), (near[:, 1:], near[:, :-1])
+    return any(bool((((p == a) & (q == b)) | ((p == b) & (q == a))).any()) for p, q in sides)
+
+
+def _joined_where_tiny(rooms: Rooms, doors: list[Opened], cell_m: float) -> tuple[Rooms, list[Opened]]:
+    """Return rooms of which next to nothing is in reach as part of a neighbour, without the doors in between."""
+    area = np.bincount(rooms.ravel()) * cell_m**2
+    name = np.arange(area.size)
+    for door in doors:
+        a, b = name[list(door.rooms)]
+        if a != b and min(area[a], area[b]) < LEAST_M2:
+            small, large = (a, b) if area[a] < area[b] else (b, a)
+            area[large] += area[small]
+            name[name == small] = large
+    pairs = [(door.gap, (int(name[door.rooms[0]]), int(name[door.rooms[1]]))) for door in doors]
+    return name[rooms].astype(np.int32), [Opened(gap, (a, b)) for gap, (a, b) in pairs if a != b]
+
+
+def _true_door(door: Opened, placed: Placed, frame: Frame, shift: NDArray[np.intp], label: dict[int, int]) -> TrueDoor:
+    """Return a gap of the plan in the frame of the map that was cut out, with the final labels of its rooms."""
+    gap = door.gap
+    start, end = np.round(frame.world_from_cell(placed.cells_from_plan(gap.ends) + shift), 6).tolist()
+    a, b = sorted(label[room] for room in door.rooms)
+    return TrueDoor(tuple(start), tuple(end), round(gap.width_m, 6), (a, b), unsure=gap.unsure)
