@@ -69,20 +69,34 @@ def contacts(labels: Ints) -> tuple[Floats, Ints]:
     return np.concatenate(places), np.concatenate(pairs)
 
 
-def narrow_passages(labels: Ints, doors: Doors, simplified: SimplifiedGrid, frame: Frame) -> Doors:
-    """Doors for contacts that no door explains: openings of the input too narrow for the working resolution."""
+def matched_to_contacts(labels: Ints, doors: Doors, simplified: SimplifiedGrid, frame: Frame) -> Doors:
+    """The doors at which their rooms touch, and a passage for every contact that no door explains.
+
+    Passages are openings of the input too narrow for the working resolution. A door where the rooms do not touch
+    within a working cell lies on cells that only flattening made free: it goes, and what contact there is nearby is a
+    passage.
+    """
     place, pair = contacts(labels)
     cell_m = simplified.frame.resolution_m
     place_m = frame.world_from_cell(place)
     explained = np.zeros(len(place), np.bool_)
+    touched = np.zeros(len(doors.edge), np.bool_)
     tree = cKDTree(place_m)
     for row in range(len(doors.edge)):
         middle_m = (doors.start_m[row] + doors.end_m[row]) / 2
         near = np.array(tree.query_ball_point(middle_m, doors.length_m[row] / 2 + 2 * cell_m), np.intp)
         near = near[(pair[near] == [doors.room_a[row], doors.room_b[row]]).all(axis=1)]
-        explained[near[_to_segment_m(place_m[near], doors.start_m[row], doors.end_m[row]) <= cell_m]] = True
+        near = near[_to_segment_m(place_m[near], doors.start_m[row], doors.end_m[row]) <= cell_m]
+        explained[near] = True
+        touched[row] = len(near) > 0
+    passages = passages_at(place[~explained], pair[~explained], frame)
+    columns: list[Any] = [column[touched] for column in doors]
+    return Doors(*columns).followed_by(passages)
+
+
+def passages_at(place: Floats, pair: Ints, frame: Frame) -> Doors:
+    """One door for each piece of contacts (k, 2) as row, col between the same two rooms."""
     start, end, rooms = [], [], []
-    place, pair = place[~explained], pair[~explained]
     for contact in _pieces(place, pair):
         one = _farthest(place[contact], place[contact[0]])
         start.append(one)

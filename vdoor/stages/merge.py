@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from vdoor.grid import OccupancyGrid
 from vdoor.stages.cost import Bits, MergeProblem
-from vdoor.stages.final_doors import door_rows, narrow_passages
+from vdoor.stages.final_doors import door_rows, matched_to_contacts
 from vdoor.stages.flips import FlipState
 from vdoor.stages.labels import at_input, flooded, numbered, whole
 from vdoor.stages.polygons import centres, polygons
@@ -41,8 +41,7 @@ class MergeRooms:
         labels = flooded(whole(at_input(working, simplified.factor, grid.free)), grid.free)
         labels, number = numbered(labels, int(room_of_piece.max()))
         doors = door_rows(initial, rows, number)
-        passages = narrow_passages(labels, doors, simplified, grid.frame)
-        doors = doors.followed_by(passages)
+        doors = matched_to_contacts(labels, doors, simplified, grid.frame)
 
         room = number[room_of_piece[: len(initial.area_m2)]]
         feature = np.stack([room[initial.feature_region], initial.feature_corner], axis=1)
