@@ -274,3 +274,17 @@ def test_bench_and_search_study_print_figures() -> None:
     assert set(report["stages_s"]) == {record.topic for record in RECORDS}
     text = call("search-study", "--graphs", "4", "--seeds", "3").stdout
     assert "of searches reach the optimum" in text
+
+
+def test_a_recording_that_is_read_is_never_overwritten_even_with_force(results: Path, tmp_path: Path) -> None:
+    one, other = tmp_path / "one.mcap", tmp_path / "other.mcap"
+    for path in (one, other):
+        path.write_bytes((results / "flat.mcap").read_bytes())
+    for words in (
+        ["replay", one, "--save", one],
+        ["verify", one, "--save", one],
+        ["verify", one, "--junit", one],
+        ["diff", one, other, "--save", other],
+    ):
+        assert "input" in one_line(call(*words, "--force", code=2))
+    assert one.read_bytes() == other.read_bytes() == (results / "flat.mcap").read_bytes()

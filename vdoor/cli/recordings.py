@@ -39,11 +39,13 @@ def verify(
     as_json: Json = False,
 ) -> None:
     """Run recordings again from their own contents: 0 if all is equal, 1 if not, 2 if one cannot be read."""
-    from vdoor.files import refuse_existing, write_whole
+    from vdoor.files import refuse_existing, refuse_input, write_whole
     from vdoor.recording import report
 
     refuse_existing([path for path in (junit, save) if path], force=force)
     files = list(_files(recordings))
+    for path in files:
+        refuse_input(path, [output for output in (junit, save) if output])
     if save and len(files) > 1:
         raise SettingError(f"--save: wanted one recording to draw, found {len(files)}")
     results = [_verified(path, max_cells, save) for path in files]
@@ -62,7 +64,7 @@ def diff(
     as_json: Json = False,
 ) -> None:
     """Compare two recordings, settings first, then stage by stage: 0 if all is equal, 1 if not."""
-    from vdoor.files import refuse_existing
+    from vdoor.files import refuse_existing, refuse_input
     from vdoor.pipeline import RECORDS
     from vdoor.recording import report
     from vdoor.recording.diff import compare, runs_that_differ
@@ -70,6 +72,8 @@ def diff(
     from vdoor.recording.printable import printable
 
     refuse_existing([save] if save else [], force=force)
+    for path in (one, other):
+        refuse_input(path, [save] if save else [])
     runs = [read_recording(path, types=RECORDS) for path in (one, other)]
     settings = runs_that_differ(runs[0].info, runs[1].info)
     with _drawn(save, runs[0].info) as listen:

@@ -34,13 +34,14 @@ def replay(
     force: Force = False,
 ) -> None:
     """Draw a recording again, as the run did when it was made."""
-    from vdoor.files import refuse_existing
+    from vdoor.files import refuse_existing, refuse_input
     from vdoor.outputs import Outputs
 
     outputs = Outputs(save=save, connect=connect, serve=serve, spawn=spawn)
     if not (save or connect or serve or spawn):
         raise SettingError("replay: wanted somewhere to draw, one of --save, --connect, --serve, --spawn")
     refuse_existing(outputs.files, force=force)
+    refuse_input(recording, outputs.files)
     records = _draw(recording, outputs, pause_s=STEP_S / speed if speed else 0.0)
     print(f"{records} records drawn")
 

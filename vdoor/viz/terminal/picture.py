@@ -53,7 +53,7 @@ class Picture:
     def _view(self, width: int, lines: int, *, plain: bool) -> _View:
         """What part of the canvas is shown, and how many cells go to a pixel or pixels to a cell."""
         inks, tints = self.canvas.inks, self.canvas.tints
-        high, wide = lines * 2, width
+        high, wide = max(lines, 1) * 2, max(width, 1)  # a small terminal leaves no line, the layout cuts this one
         if self.centre is not None:
             high, wide = max(high // self.zoom, 1), max(wide // self.zoom, 1)
             top, left = (round(at - size / 2) for at, size in zip(self.centre, (high, wide), strict=True))

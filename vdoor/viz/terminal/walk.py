@@ -35,6 +35,7 @@ FOUND_IN = {
 }
 LEAP = 10
 MOST_ZOOM = 6
+MOST_DIGITS = 9
 
 
 @dataclass(frozen=True)
@@ -155,6 +156,8 @@ def _typed(run: History, walk: Walk, key: str) -> Walk:
     """A number being typed; Enter jumps, Escape does not."""
     assert walk.typing is not None
     if key.isdigit() and key.isascii():
+        if len(walk.typing) > MOST_DIGITS:
+            return walk
         return replace(walk, typing=walk.typing + key)
     if key in ("c-h", "delete") and len(walk.typing) > 1:
         return replace(walk, typing=walk.typing[:-1])
