@@ -23,6 +23,43 @@ class Source:
     options: dict[str, float | int | str] = field(default_factory=dict)
 
 
+Point = tuple[float, float]
+Line = tuple[Point, ...]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Segment:
+    """A room as the maker's own software has it."""
+
+    label: int
+    """Its number in the label image."""
+    id: str
+    name: str
+    """Need not be its own: homes have two halls."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Annotations:
+    """What a map's file says beside its cells; points are x, y in metres of the map frame."""
+
+    own_origin_cm: Point
+    """Where the map frame's origin lies in the maker's own frame, whose y runs down, in centimetres."""
+    robot_m: Point | None = None
+    charger_m: Point | None = None
+    virtual_walls_m: tuple[Line, ...] = ()
+    no_go_areas_m: tuple[Line, ...] = ()
+    no_mop_areas_m: tuple[Line, ...] = ()
+    """Areas by their vertices, none twice."""
+    segments: tuple[Segment, ...] = ()
+    labels: NDArray[np.int32] | None = None
+    """Segment of each free cell (h, w), 0 = none; None where the file knows no segments."""
+
+    @property
+    def places_m(self) -> tuple[Point, ...]:
+        """Where the robot is or can be, the best first."""
+        return tuple(place for place in (self.robot_m, self.charger_m) if place is not None)
+
+
 class OccupancyGrid(Record):
     """An occupancy grid map as read: row 0 is the top of the image."""
 

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from vdoor import __version__
-from vdoor.cli import evaluate, recordings, run, studies, terminal, viewing
+from vdoor.cli import evaluate, export, recordings, run, studies, terminal, viewing
 from vdoor.errors import VdoorError
 from vdoor.say import say
 
@@ -34,6 +34,7 @@ COMMANDS = (
     ("info", recordings.info, "vdoor info out.mcap"),
     ("check", recordings.check, "vdoor check out.mcap"),
     ("recover", recordings.recover, "vdoor recover out.mcap.partial -o out.mcap"),
+    ("export", export.export, "vdoor export result/ --to nav2-route -o route.geojson"),
     ("golden", recordings.golden, "vdoor golden recordings/golden"),
     ("evaluate", evaluate.evaluate, "vdoor evaluate result/ --reference truth.png --min door_f1=0.9 --save seen.rrd"),
     ("synth", studies.synth, "vdoor synth maps/flat --kind paper --seed 3 --set furniture=true"),

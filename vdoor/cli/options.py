@@ -14,27 +14,39 @@ if TYPE_CHECKING:
     from vdoor.grid import OccupancyGrid
     from vdoor.pipeline import Pipeline
 
-MapFile = Annotated[Path, typer.Argument(metavar="MAP", help="ROS map YAML, PGM, PNG, BMP, TIFF or .npy.")]
+PIPE = "-"
+MapFile = Annotated[
+    Path, typer.Argument(metavar="MAP", help="ROS map YAML, image, .npy, Valetudo JSON or - (stdin), bag, recording.")
+]
 Preset = Annotated[str, typer.Option(help="paper (as printed) or default.")]
 Seed = Annotated[int, typer.Option(min=0, help="Seed of everything random.")]
 Config = Annotated[Path | None, typer.Option(metavar="FILE.toml", help="Settings file, see `vdoor config`.")]
 Set = Annotated[list[str] | None, typer.Option("--set", metavar="STAGE.FIELD=VALUE", help="One setting; repeatable.")]
 Resolution = Annotated[float | None, typer.Option(metavar="M", help="Cell size where the map does not say it.")]
 Unknown = Annotated[int | None, typer.Option(metavar="GREY", help="Read cells of this grey as unknown, say 205.")]
+Topic = Annotated[str | None, typer.Option(metavar="NAME", help="Which nav_msgs/OccupancyGrid of a bag.")]
 MaxCells = Annotated[int, typer.Option(metavar="N", help="Refuse larger maps.")]
 Force = Annotated[bool, typer.Option("--force", help="Overwrite existing files.")]
 Json = Annotated[bool, typer.Option("--json", help="The result as JSON on stdout.")]
 
 
-def read_grid(path: Path, resolution_m: float | None, unknown: int | None, cells: int, *, quiet: bool) -> OccupancyGrid:
-    """Read a map, with the reader's warnings on stderr."""
+def read_grid(
+    path: Path, resolution_m: float | None, unknown: int | None, cells: int, *, topic: str | None = None, quiet: bool
+) -> OccupancyGrid:
+    """Read a map, or one that is piped in, with the reader's warnings on stderr."""
+    import sys
     import warnings
 
-    from vdoor.formats import read_map
+    from vdoor.formats import read_map, read_piped
 
     with warnings.catch_warnings(record=True) as notes:
         warnings.simplefilter("always")
-        grid = read_map(path, resolution_m=resolution_m, unknown_value=unknown, max_cells=cells)
+        if str(path) != PIPE:
+            grid = read_map(path, resolution_m=resolution_m, unknown_value=unknown, topic=topic, max_cells=cells)
+        elif topic is not None:
+            raise SettingError("--topic: wanted a bag to choose from, found a pipe")
+        else:
+            grid = read_piped(sys.stdin.buffer, resolution_m=resolution_m, unknown_value=unknown, max_cells=cells)
     for note in () if quiet else notes:
         say(f"note: {note.message}")
     return grid
@@ -73,3 +85,29 @@ def robot_place(grid: OccupancyGrid, text: str | None, *, cells: bool) -> tuple[
 
     x_m, y_m = grid.frame.world_from_cell(np.array([[y, x]]))[0].tolist()
     return x_m, y_m
+
+
+def placed(pipeline: Pipeline, grid: OccupancyGrid, *, quiet: bool) -> Pipeline:
+    """The pipeline with the robot, or else its charger, where the map's file says, unless its place is set already.
+
+    A place without a free cell near it is passed over, as the first stage would refuse it.
+    """
+    import dataclasses
+
+    from vdoor.errors import MapError
+    from vdoor.formats import read_annotations
+
+    said = None if pipeline.simplify.robot_m else read_annotations(grid.source)
+    places_m = said.places_m if said else ()
+    for x_m, y_m in places_m:
+        there = dataclasses.replace(pipeline, simplify=dataclasses.replace(pipeline.simplify, robot_m=(x_m, y_m)))
+        try:
+            there.simplify(grid)
+        except MapError:
+            continue
+        if not quiet:
+            say(f"note: robot at {x_m:g},{y_m:g}, as the map's file says (--robot says another place)")
+        return there
+    if places_m and not quiet:
+        say("note: the robot's place in the map's file is not free; the largest free space is taken")
+    return pipeline

@@ -18,8 +18,10 @@ from vdoor.cli.options import (
     Resolution,
     Seed,
     Set,
+    Topic,
     Unknown,
     chosen_pipeline,
+    placed,
     read_grid,
     robot_place,
 )
@@ -46,6 +48,7 @@ def run(
     cells: Annotated[bool, typer.Option("--cells", help="--robot is COL,ROW of the map instead.")] = False,
     resolution: Resolution = None,
     unknown_value: Unknown = None,
+    topic: Topic = None,
     max_cells: MaxCells = 100_000_000,
     connect: Annotated[str | None, typer.Option(metavar="URL", help="Stream to a Rerun viewer that runs.")] = None,
     serve: Annotated[bool, typer.Option("--serve", help="Stream to a web viewer on 127.0.0.1.")] = False,
@@ -68,8 +71,9 @@ def run(
     refuse_input(map_file, [*outputs.files, *folder_files])
     if out:
         refuse_folder(out)
-    grid = read_grid(map_file, resolution, unknown_value, max_cells, quiet=quiet)
+    grid = read_grid(map_file, resolution, unknown_value, max_cells, topic=topic, quiet=quiet)
     pipeline = chosen_pipeline(preset, config, set_, robot=robot_place(grid, robot, cells=cells))
+    pipeline = placed(pipeline, grid, quiet=quiet)
     info = _info(grid, preset, pipeline, seed)
     with opened(outputs, info) as recording:
         watch = Stopwatch(Recorder([*recording.sinks, *([] if quiet else [Progress(verbose=verbose)])]))

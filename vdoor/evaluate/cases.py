@@ -9,6 +9,7 @@ from vdoor.errors import VdoorError
 from vdoor.evaluate.division import is_result
 from vdoor.evaluate.reading import LABEL_SUFFIXES, read_table
 from vdoor.evaluate.reference import ENDINGS, bare_name
+from vdoor.formats.valetudo import is_valetudo
 
 REFERENCE_SUFFIXES = (*LABEL_SUFFIXES, ".json")
 References = dict[str, tuple[Path, str | None]]
@@ -94,7 +95,7 @@ def _references(path: Path) -> References:
     if path.suffix.lower() != ".json":
         return {bare_name(path): (path, None)}
     table = read_table(path)
-    if "schema" in table or "doors" in table:
+    if "schema" in table or "doors" in table or is_valetudo(table):
         return {bare_name(path): (path, None)}
     several = {name: (path, name) for name, entry in table.items() if isinstance(entry, dict) and "doors" in entry}
     if not several:

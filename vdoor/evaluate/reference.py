@@ -11,12 +11,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vdoor.errors import VdoorError
+from vdoor.errors import MapError, VdoorError
 from vdoor.evaluate.division import Division, MapChoice, check_size, is_result
 from vdoor.evaluate.doors import Doors, contact_doors, marked_doors
 from vdoor.evaluate.labels import Labels, rooms_of
 from vdoor.evaluate.reading import read_table, read_true_rooms
 from vdoor.formats.reading import shown
+from vdoor.formats.valetudo import is_valetudo, segment_labels
 
 ENDINGS = ("_truth", "_reference", "_gt_segmentation")
 """What references are called beside the name of their map."""
@@ -48,6 +49,9 @@ def read_reference(path: Path, key: str | None, division: Division, bare: MapCho
     table = read_table(path)
     if "schema" in table:
         return _synthetic(table, path, division)
+    if is_valetudo(table):
+        rooms = _segments_of_maker(table, path, division)
+        return Reference(path=path, rooms=rooms, doors=_contacts(rooms, path, division, bare))
     table = table if key is None else table[key]
     resolution_m = division.frame.resolution_m
     doors, unsure = (
@@ -71,6 +75,18 @@ def _rooms(path: Path, division: Division) -> Labels:
     """True rooms as the file has them."""
     labels = read_true_rooms(path)
     check_size("reference", labels, division.free, path)
+    return rooms_of(labels, division.frame.resolution_m)
+
+
+def _segments_of_maker(table: Mapping[str, Any], path: Path, division: Division) -> Labels:
+    """Rooms as the robot's own software has them: something to compare with, not truth."""
+    try:
+        labels = segment_labels(table, max_cells=division.free.size)
+    except MapError as error:
+        raise VdoorError(f"reference: {error}: {path}") from error
+    check_size("reference", labels, division.free, path)
+    if not labels.any():
+        raise VdoorError(f"reference: wanted segments, found none: {path}")
     return rooms_of(labels, division.frame.resolution_m)
 
 

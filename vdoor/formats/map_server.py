@@ -16,7 +16,15 @@ import yaml
 from vdoor.errors import MapError
 from vdoor.formats import images
 from vdoor.formats.occupancy import Mode, Rule, cells_from_image
-from vdoor.formats.reading import Request, base_name, checked_resolution_m, finite, number, shown
+from vdoor.formats.reading import (
+    Request,
+    agreed_resolution_m,
+    base_name,
+    checked_resolution_m,
+    finite,
+    number,
+    shown,
+)
 from vdoor.grid import OccupancyGrid
 
 T = TypeVar("T")
@@ -41,7 +49,7 @@ def read(request: Request) -> OccupancyGrid:
     name = request.name
     with request.naming(name):
         header = parse(request.data(name))
-        resolution_m = _agreed_resolution_m(header.resolution_m, request.resolution_m)
+        resolution_m = agreed_resolution_m(header.resolution_m, request.resolution_m)
     image_name = base_name(header.image)
     with request.naming(image_name):
         image = images.decode(request.data(image_name), max_cells=request.max_cells)
@@ -157,21 +165,13 @@ def _mode(text: Any) -> Mode:
     raise MapError(msg)
 
 
-def _agreed_resolution_m(written_m: float, said_m: float | None) -> float:
-    """Metres a cell as the YAML writes it; MapError where the user says another."""
-    if said_m is not None and not math.isclose(written_m, said_m, rel_tol=1e-9):
-        msg = f"resolution: wanted {said_m:g} m a cell as asked for, found {written_m:g} m"
-        raise MapError(msg)
-    return written_m
-
-
 def _note_oddities(header: Header, request: Request) -> None:
     """Note what is legal but often a slip."""
     yaw_rad, rule = header.origin[2], header.rule
     if math.isnan(yaw_rad):
         request.note("origin: yaw is nan, read as 0", request.name)
-    elif yaw_rad != 0:
-        request.note(f"origin: the map is turned by {yaw_rad:g} rad; coordinates turn with it", request.name)
+    else:
+        request.note_turn(yaw_rad)
     if rule.mode != "raw" and rule.free_thresh >= rule.occupied_thresh:
         request.note(
             f"free_thresh {rule.free_thresh:g} is not below occupied_thresh {rule.occupied_thresh:g}; "

@@ -14,8 +14,8 @@ from numpy.lib import format as npy
 from numpy.typing import NDArray
 
 from vdoor.errors import MapError
-from vdoor.formats.reading import Request, check_size
-from vdoor.grid import OCCUPIED, UNKNOWN, OccupancyGrid
+from vdoor.formats.reading import Request, check_size, check_values
+from vdoor.grid import OccupancyGrid
 
 Shape = tuple[int, ...]
 HEADERS: dict[tuple[int, int], Callable[[io.BytesIO], tuple[Shape, bool, np.dtype[Any]]]] = {
@@ -31,9 +31,7 @@ def read(request: Request) -> OccupancyGrid:
     """Grid of a .npy file, lower left corner at (0, 0), 0.05 m a cell unless the request says otherwise."""
     name = request.name
     with request.naming(name):
-        if request.unknown_value is not None:
-            msg = "unknown value: wanted none for an array, where -1 is unknown, found one"
-            raise MapError(msg)
+        request.refuse_unknown_value("an array")
         cells = decode(request.data(name), max_cells=request.max_cells)
         return OccupancyGrid.from_array(cells, request.resolution_or_default_m(name), source=request.source)
 
@@ -53,9 +51,7 @@ def decode(data: bytes, *, max_cells: int) -> NDArray[np.int8]:
         msg = f"array: wanted {height * width} cells, found {found}"
         raise MapError(msg)
     flat = np.frombuffer(data, np.int8, height * width, stream.tell())
-    if flat.min() < UNKNOWN or flat.max() > OCCUPIED:
-        msg = f"array: wanted values of {UNKNOWN} to {OCCUPIED}, found {flat.min()} to {flat.max()}"
-        raise MapError(msg)
+    check_values("array", flat)
     return flat.reshape(shape, order="F" if fortran_order else "C")
 
 

@@ -9,9 +9,14 @@ from dataclasses import dataclass, field
 from pathlib import PureWindowsPath
 from typing import Any
 
-from vdoor.errors import MapError
-from vdoor.grid import Source
+import numpy as np
+from numpy.typing import NDArray
 
+from vdoor.errors import MapError
+from vdoor.grid import OCCUPIED, UNKNOWN, Source
+
+Options = dict[str, float | int | str]
+"""What the user said beside the file, by name; kept with the source."""
 MAX_CELLS = 100_000_000
 DEFAULT_RESOLUTION_M = 0.05
 FINEST_M, COARSEST_M = 0.0001, 100.0
@@ -77,6 +82,17 @@ class Request:
         msg = f"unknown value: wanted a whole number from 0 to {GREYS - 1}, found {shown(said)}"
         raise MapError(msg)
 
+    def refuse_unknown_value(self, what: str) -> None:
+        """Refuse a grey for unknown where cells have no grey; `what` names the format."""
+        if self.unknown_value is not None:
+            msg = f"unknown value: wanted none for {what}, where unknown cells are marked, found one"
+            raise MapError(msg)
+
+    def note_turn(self, yaw_rad: float) -> None:
+        """Note that a map does not lie along its frame's axes."""
+        if yaw_rad != 0:
+            self.note(f"origin: the map is turned by {yaw_rad:g} rad; coordinates turn with it", self.name)
+
     def resolution_or_default_m(self, name: str) -> float:
         """Metres a cell of a format that does not say it itself: as the user said, or 0.05 with a note."""
         if self.resolution_m is not None:
@@ -91,6 +107,21 @@ def checked_resolution_m(value: object) -> float:
         return float(value)
     msg = f"resolution: wanted {FINEST_M} to {COARSEST_M:g} m a cell, found {shown(value)}"
     raise MapError(msg)
+
+
+def agreed_resolution_m(written_m: float, said_m: float | None) -> float:
+    """Metres a cell as the file has it; MapError where the user says another."""
+    if said_m is not None and not math.isclose(written_m, said_m, rel_tol=1e-9):
+        msg = f"resolution: wanted {said_m:g} m a cell as asked for, found {written_m:g} m"
+        raise MapError(msg)
+    return written_m
+
+
+def check_values(place: str, values: NDArray[np.int8]) -> None:
+    """Refuse cells that are neither unknown nor a per cent of occupancy; `place` names them."""
+    if values.min() < UNKNOWN or values.max() > OCCUPIED:
+        msg = f"{place}: wanted values of {UNKNOWN} to {OCCUPIED}, found {values.min()} to {values.max()}"
+        raise MapError(msg)
 
 
 def check_size(height: int, width: int, *, max_cells: int) -> None:

@@ -18,10 +18,12 @@ from PIL import Image
 from vdoor.emit import RunInfo
 from vdoor.errors import VdoorError
 from vdoor.files import make_folder, write_whole
-from vdoor.grid import OccupancyGrid
+from vdoor.formats import read_annotations
+from vdoor.grid import Annotations, OccupancyGrid
 from vdoor.topology import Door, Room, TopologicalMap
 
 SCHEMA = 1
+"""Raised when a key goes or changes its meaning; new ones may come without."""
 NAMES = ("rooms.png", "rooms.yaml", "grid.png", "map.json")
 MOST_ROOMS = 65_535
 GREY_OCCUPIED, GREY_UNKNOWN, GREY_FREE = 0, 205, 254
@@ -47,6 +49,7 @@ def document_of(topology: TopologicalMap, info: RunInfo, timings_s: Mapping[str,
     """What map.json says: lengths in metres, points as [x, y] in the map frame."""
     frame = topology.frame
     rooms, doors = topology.rooms, topology.doors
+    annotations = read_annotations(info.source)
     return {
         "schema": SCHEMA,
         "vdoor": info.version,
@@ -57,6 +60,7 @@ def document_of(topology: TopologicalMap, info: RunInfo, timings_s: Mapping[str,
             "files": [{"name": name, "sha256": hashlib.sha256(data).hexdigest()} for name, data in info.source.files],
             "options": dict(info.source.options),
         },
+        "annotations": annotations and _annotations(annotations),
         "preset": info.preset,
         "settings": dict(info.settings),
         "seed": info.seed,
@@ -68,6 +72,13 @@ def document_of(topology: TopologicalMap, info: RunInfo, timings_s: Mapping[str,
         },
         "timings_s": {stage: round(seconds, 4) for stage, seconds in timings_s.items()},
     }
+
+
+def _annotations(annotations: Annotations) -> dict[str, Any]:
+    """All but the label image, which the map's own file holds."""
+    fields = dataclasses.asdict(annotations)
+    del fields["labels"]
+    return fields
 
 
 def _room(room: Room) -> dict[str, Any]:

@@ -8,6 +8,8 @@ from typing import Any
 import numpy as np
 import rerun as rr
 
+from vdoor.errors import MapError
+from vdoor.formats import read_annotations
 from vdoor.grid import OccupancyGrid
 from vdoor.record import RASTERS, Record, specs, tables
 from vdoor.stages.corners import Candidates, Corners
@@ -41,6 +43,31 @@ def draw_input(scene: Scene, grid: OccupancyGrid) -> None:
     """The map as read."""
     scene.keep("input/map", classes(CELL_CLASSES))
     scene.raster("input/map", cell_classes(grid))
+    draw_restrictions(scene, grid)
+
+
+def draw_restrictions(scene: Scene, grid: OccupancyGrid) -> None:
+    """Virtual walls and areas that the robot keeps out of, where the map's file knows any, on the map itself."""
+    try:
+        said = read_annotations(grid.source)
+    except MapError:  # the files of a recording can be any
+        said = None
+    if said is None:
+        return
+    kinds = (
+        ("virtual wall", style.VIRTUAL_WALL, said.virtual_walls_m),
+        ("no-go area", style.NO_GO, [(*area, area[0]) for area in said.no_go_areas_m]),
+        ("no-mop area", style.NO_MOP, [(*area, area[0]) for area in said.no_mop_areas_m]),
+    )
+    drawn = [
+        (pixels(grid.frame.cell_from_world(np.array(line))), colour, name)
+        for name, colour, own in kinds
+        for line in own
+    ]
+    if drawn:
+        lines, colours, labels = zip(*drawn, strict=True)
+        strips_of = rr.LineStrips2D(lines, colors=colours, labels=labels, show_labels=False, radii=0.3, draw_order=5.0)
+        scene.log("input/map", strips_of)
 
 
 def draw_simplified(scene: Scene, grid: SimplifiedGrid) -> None:

@@ -18,6 +18,10 @@ NOTCH: Glass = (40, 170, 200, 255)
 ISLAND: Glass = (220, 190, 40, 230)
 CLEAR: Glass = (0, 0, 0, 0)
 
+VIRTUAL_WALL: Colour = (150, 40, 190)
+NO_GO: Colour = (220, 90, 30)
+NO_MOP: Colour = (40, 120, 200)
+
 BOUNDARY: Colour = (226, 178, 20)
 WALKER: Colour = (214, 50, 60)
 FORWARD: Colour = (214, 50, 60)

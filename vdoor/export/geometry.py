@@ -1,0 +1,50 @@
+"""Doors as lines and rooms as rings, the way other programs take them."""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+
+import numpy as np
+
+from vdoor.topology import Door, Polygon, TopologicalMap
+
+Point = tuple[float, float]
+Line = tuple[Point, Point]
+Ring = tuple[Point, ...]
+
+
+def line_m(topology: TopologicalMap, door: Door) -> Line:
+    """The door's ends, as far apart as it is long.
+
+    A passage's ends are middles of its outermost contacts, which may be one and the same: its line goes half a cell
+    on, to the walls.
+    """
+    start, end = topology.frame.cell_from_world(np.array([door.start_m, door.end_m]))
+    span, length = end - start, door.length_m / topology.frame.resolution_m
+    short = length - math.hypot(*span)
+    if short < 1e-6:  # noqa: PLR2004  # a rounding error, in cells
+        return door.start_m, door.end_m
+    if not span.any():
+        # A contact lies between two rows or between two columns; the border goes along it.
+        between_rows = abs(start[0] - round(start[0])) > 0.25  # noqa: PLR2004  # it is a half or none
+        span = np.array([0.0, 1.0]) if between_rows else np.array([1.0, 0.0])
+    more = span / math.hypot(*span) * short / 2
+    (x_m, y_m), (to_x_m, to_y_m) = topology.frame.world_from_cell(np.stack([start - more, end + more])).tolist()
+    return (x_m, y_m), (to_x_m, to_y_m)
+
+
+def area_m2(ring: Ring) -> float:
+    """Signed area within a closed ring: positive where it runs counter-clockwise, seen with y up."""
+    x_m, y_m = ring[0]  # about the first vertex: far from the origin the products would eat the area's digits
+    doubled_m2 = sum(
+        (ax_m - x_m) * (by_m - y_m) - (bx_m - x_m) * (ay_m - y_m) for (ax_m, ay_m), (bx_m, by_m) in pairwise(ring)
+    )
+    return doubled_m2 / 2
+
+
+def right_handed(polygon_m: Polygon) -> Polygon:
+    """The same rings, the outer one counter-clockwise and holes clockwise, as RFC 7946 wants them."""
+    return tuple(
+        ring if (area_m2(ring) > 0) == (index == 0) else tuple(reversed(ring)) for index, ring in enumerate(polygon_m)
+    )

@@ -1,0 +1,40 @@
+"""Virtual walls that shut doors, as robot vacuums take them."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+
+import numpy as np
+
+from vdoor.export.chosen import check_rooms
+from vdoor.export.geometry import Point, line_m
+from vdoor.topology import Door, TopologicalMap
+
+CM_PER_M = 100
+
+
+def to_virtual_walls(topology: TopologicalMap, rooms: Sequence[int] = (), *, own_origin_cm: Point | None = None) -> str:
+    """Valetudo's virtual restrictions as JSON: a wall across each door, in whole centimetres, y down.
+
+    With `rooms` only doors that lead out of them are shut, which keeps the robot in: doors between two of them stay
+    open. `own_origin_cm` says where the lower left corner of the map's image lies in the robot's own frame, as
+    Valetudo's maps do; without it points count from the image's upper left corner. Sending the JSON to the robot (PUT
+    to CombinedVirtualRestrictionsCapability) replaces all walls and zones it has.
+
+    Raises `SettingError` for a room that is not there.
+    """
+    check_rooms(topology, rooms)
+    origin_cm = own_origin_cm or (0.0, topology.frame.height * topology.frame.resolution_m * CM_PER_M)
+    shut = [door for door in topology.doors if not rooms or len(set(door.rooms) & set(rooms)) == 1]
+    walls = [{"points": _points(topology, door, origin_cm)} for door in shut]
+    return json.dumps({"virtualWalls": walls, "restrictedZones": []}, indent=1) + "\n"
+
+
+def _points(topology: TopologicalMap, door: Door, origin_cm: Point) -> dict[str, dict[str, int]]:
+    frame = topology.frame
+    row, col = frame.cell_from_world(np.array(line_m(topology, door))).T
+    cell_cm = frame.resolution_m * CM_PER_M
+    x_cm = np.rint(origin_cm[0] + (col + 0.5) * cell_cm).astype(int).tolist()
+    y_cm = np.rint(origin_cm[1] - (frame.height - row - 0.5) * cell_cm).astype(int).tolist()
+    return {end: {"x": x, "y": y} for end, x, y in zip(("pA", "pB"), x_cm, y_cm, strict=True)}

@@ -1,0 +1,80 @@
+"""One ``nav_msgs/OccupancyGrid`` message, as ROS 2 puts it on the wire: what is kept of a bag."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vdoor.errors import MapError, RecordingError
+from vdoor.formats.reading import Request, agreed_resolution_m, check_size, check_values, checked_resolution_m, shown
+from vdoor.grid import OccupancyGrid
+from vdoor.recording import ros
+
+SUFFIX = ".cdr"
+TYPE = "nav_msgs/msg/OccupancyGrid"
+LEVEL_WITHIN = 1e-3
+"""How far the map's z axis may lean, as a sine, before it is said."""
+
+
+def read(request: Request) -> OccupancyGrid:
+    """Grid of a message, with its own origin and resolution."""
+    name = request.name
+    with request.naming(name):
+        request.refuse_unknown_value("a message")
+        message = _message(request.data(name))
+        info, pose = message.info, message.info.origin
+        cells = _cells(message, max_cells=request.max_cells)
+        resolution_m = agreed_resolution_m(_resolution_m(info.resolution), request.resolution_m)
+        x_m, y_m = pose.position.x, pose.position.y
+        if not (math.isfinite(x_m) and math.isfinite(y_m)):
+            msg = f"origin: wanted finite coordinates, found {x_m:g}, {y_m:g}"
+            raise MapError(msg)
+        yaw_rad = _yaw_rad(pose.orientation, request)
+        request.note_turn(yaw_rad)
+    return OccupancyGrid.from_array(cells, resolution_m, x_m=x_m, y_m=y_m, yaw_rad=yaw_rad, source=request.source)
+
+
+def _message(data: bytes) -> Any:
+    """The message in `data`; its arrays look into `data`."""
+    try:
+        return ros.unpack(data, TYPE)
+    except RecordingError as error:
+        msg = f"message: wanted a whole {TYPE}, found a damaged one ({shown(str(error.__cause__))})"
+        raise MapError(msg) from error
+
+
+def _cells(message: Any, *, max_cells: int) -> NDArray[np.int8]:
+    """Cells (h, w), row 0 = top; the message's row 0 is the bottom one."""
+    height, width = message.info.height, message.info.width
+    check_size(height, width, max_cells=max_cells)
+    if message.data.size != height * width:
+        msg = f"message: wanted {width} x {height} = {height * width} cells, found {message.data.size}"
+        raise MapError(msg)
+    check_values("message", message.data)
+    cells: NDArray[np.int8] = message.data.reshape(height, width)[::-1]
+    return cells
+
+
+def _resolution_m(single: float) -> float:
+    """Metres a cell of a message, which has single precision: the shortest decimal that is stored so, 0.05 say."""
+    with np.errstate(over="ignore"):
+        return checked_resolution_m(float(str(np.float32(single))))
+
+
+def _yaw_rad(turn: Any, request: Request) -> float:
+    """Angle about the vertical of a quaternion of any length; a note where it is none, or the map leans."""
+    x, y, z, w = turn.x, turn.y, turn.z, turn.w
+    length = math.hypot(x, y, z, w)
+    if not math.isfinite(length):
+        msg = "origin: wanted a finite quaternion, found another"
+        raise MapError(msg)
+    if length == 0:
+        request.note("origin: the quaternion is all zeros, read as not turned", request.name)
+        return 0.0
+    x, y, z, w = x / length, y / length, z / length, w / length
+    if math.hypot(2 * (x * z + w * y), 2 * (y * z - w * x)) > LEVEL_WITHIN:
+        request.note("origin: the map leans, read as if it lay flat", request.name)
+    return math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))

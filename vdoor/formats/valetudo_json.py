@@ -1,0 +1,178 @@
+"""What a Valetudo map says, checked: robot vacuums serve it as JSON, in cells and centimetres from the top left.
+
+Both versions are read: the first writes a layer's cells as pairs, the second as runs.
+"""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass, replace
+from typing import Any, TypeVar, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vdoor.errors import MapError
+from vdoor.formats.reading import shown
+
+T = TypeVar("T", dict[str, Any], list[Any])
+VERSIONS = (1, 2)
+LAYERS = ("floor", "segment", "wall")
+"""Where layers overlap, the later one of these holds."""
+FEWEST_POINTS = {"robot_position": 1, "charger_location": 1, "virtual_wall": 2, "no_go_area": 3, "no_mop_area": 3}
+"""Entities that are read, and how many points they have at least; all others are left aside."""
+MAX_BYTES = 1 << 24
+"""The largest map seen has a fiftieth of it."""
+MOST_LAYERS = 10_000
+LARGEST_CM = 1_000_000
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Layer:
+    """Cells of one kind."""
+
+    kind: str
+    runs: NDArray[np.int64]
+    """Runs of cells (k, 3) as x, y of the first and how many to the right."""
+    segment_id: str = ""
+    name: str = ""
+    said_cells: int | None = None
+    """How many cells it says to have, None where it says nothing."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Entity:
+    """Something with a place."""
+
+    kind: str
+    points_cm: NDArray[np.float64]
+    """Points (k, 2) as x, y."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Home:
+    """All that is read of a map."""
+
+    cell_cm: float
+    layers: list[Layer]
+    """At least one cell in all."""
+    entities: list[Entity]
+
+
+def is_valetudo(table: object) -> bool:
+    """Whether what a JSON file holds looks like a Valetudo map."""
+    return isinstance(table, dict) and "layers" in table and "pixelSize" in table
+
+
+def parse(data: bytes) -> Home:
+    """What a map says; MapError that names the key which is missing or wrong."""
+    if len(data) > MAX_BYTES:
+        raise MapError(f"JSON: wanted at most {MAX_BYTES} bytes, found {len(data)}")
+    try:
+        table = json.loads(data)
+    except (ValueError, RecursionError) as error:
+        raise MapError(f"JSON: wanted a whole file, found a damaged one ({shown(str(error))})") from None
+    return home_of(table)
+
+
+def home_of(table: object) -> Home:
+    """What a map says that was parsed as JSON; errors as from `parse`."""
+    if not isinstance(table, dict):
+        raise MapError(f"JSON: wanted a Valetudo map, found {shown(table)}")
+    version = _value(_value(table, "metaData", dict), "version", place="metaData.")
+    if isinstance(version, bool) or version not in VERSIONS:
+        raise MapError(f"metaData.version: wanted {' or '.join(map(str, VERSIONS))}, found {shown(version)}")
+    cell_cm = _positive(_value(table, "pixelSize"), "pixelSize")
+    size = _value(table, "size", dict)
+    # The size is in centimetres in all files seen; no cell lies beyond even if it were in cells.
+    sides = [_positive(_value(size, side, place="size."), f"size.{side}") / min(cell_cm, 1) for side in ("x", "y")]
+    tables = _value(table, "layers", list)
+    if len(tables) > MOST_LAYERS:
+        raise MapError(f"layers: wanted at most {MOST_LAYERS}, found {len(tables)}")
+    layers = [_layer(layer, f"layers[{at}]", sides) for at, layer in enumerate(tables)]
+    if not any(len(layer.runs) for layer in layers):
+        raise MapError("layers: wanted at least one cell, found none")
+    entities = [_entity(entity, f"entities[{at}]") for at, entity in enumerate(_value(table, "entities", list))]
+    return Home(cell_cm=cell_cm, layers=layers, entities=[entity for entity in entities if entity is not None])
+
+
+def _layer(value: object, place: str, sides: list[float]) -> Layer:
+    table = _table(value, place)
+    kind = _value(table, "type", place=f"{place}.")
+    if kind not in LAYERS:
+        raise MapError(f"{place}.type: wanted {', '.join(LAYERS)}, found {shown(kind)}")
+    runs = _runs(table, place)
+    first, last = runs[:, :2], runs[:, :2] + np.stack([runs[:, 2] - 1, np.zeros_like(runs[:, 2])], axis=1)
+    if len(runs) and (first.min() < 0 or (last.max(axis=0) >= sides).any()):
+        found = f"x {first[:, 0].min()} to {last[:, 0].max()}, y {first[:, 1].min()} to {last[:, 1].max()}"
+        raise MapError(f"{place}: wanted cells within the map's size, found {found}")
+    said = table.get("dimensions")
+    cells = said.get("pixelCount") if isinstance(said, dict) else None
+    layer = Layer(kind=kind, runs=runs, said_cells=cells if isinstance(cells, int) else None)
+    if kind != "segment":
+        return layer
+    about = _value(table, "metaData", dict, place=f"{place}.")
+    number, name = _value(about, "segmentId", place=f"{place}.metaData."), about.get("name")
+    if isinstance(number, bool) or not isinstance(number, str | int):
+        raise MapError(f"{place}.metaData.segmentId: wanted a text or number, found {shown(number)}")
+    return replace(layer, segment_id=str(number), name=name if isinstance(name, str) else "")
+
+
+def _runs(layer: dict[str, Any], place: str) -> NDArray[np.int64]:
+    """Runs (k, 3) of a layer, in whichever way it writes them."""
+    key = "compressedPixels" if layer.get("compressedPixels") or "pixels" not in layer else "pixels"
+    place = f"{place}.{key}"
+    if key not in layer:
+        raise MapError(f"{place}: wanted the layer's cells, found none")
+    values, width = layer[key], 3 if key == "compressedPixels" else 2
+    whole = isinstance(values, list) and set(map(type, values)) <= {int} and len(values) % width == 0
+    try:
+        numbers = np.array(values if whole else None, np.int64)
+    except (TypeError, OverflowError):
+        wanted = "runs of x, y, count" if width > 2 else "pairs of x, y"  # noqa: PLR2004  # three or two
+        raise MapError(f"{place}: wanted whole numbers in {wanted}, found {shown(values)}") from None
+    runs = numbers.reshape(-1, width)
+    if width == 2:  # noqa: PLR2004
+        runs = np.hstack([runs, np.ones((len(runs), 1), np.int64)])
+    if len(runs) and (runs[:, 2].min() < 1 or np.abs(runs).max() > LARGEST_CM):
+        raise MapError(f"{place}: wanted counts from 1 and numbers to {LARGEST_CM}, found others")
+    return runs
+
+
+def _entity(entity: object, place: str) -> Entity | None:
+    """An entity of a kind that is read, None for any other."""
+    table = _table(entity, place)
+    kind = _value(table, "type", place=f"{place}.")
+    if not isinstance(kind, str) or kind not in FEWEST_POINTS:
+        return None
+    fewest, values = FEWEST_POINTS[kind], _value(table, "points", list, place=f"{place}.")
+    if len(values) % 2 or len(values) < 2 * fewest or not all(map(_is_number, values)):
+        raise MapError(f"{place}.points: wanted x, y of {fewest} or more points, found {shown(values)}")
+    return Entity(kind=kind, points_cm=np.array(values, np.float64).reshape(-1, 2))
+
+
+def _value(table: dict[str, Any], key: str, kind: type[T] | None = None, *, place: str = "") -> Any:
+    """Value of a required key, of the kind wanted."""
+    if key not in table:
+        raise MapError(f"{place}{key}: wanted the key, found none")
+    value = table[key]
+    if kind is not None and not isinstance(value, kind):
+        raise MapError(f"{place}{key}: wanted a {'table' if kind is dict else 'list'}, found {shown(value)}")
+    return value
+
+
+def _table(value: object, place: str) -> dict[str, Any]:
+    if not isinstance(value, dict):
+        raise MapError(f"{place}: wanted a table, found {shown(value)}")
+    return cast("dict[str, Any]", value)
+
+
+def _positive(value: object, place: str) -> float:
+    if not _is_number(value) or not 0 < cast("float", value) <= LARGEST_CM:
+        raise MapError(f"{place}: wanted a number above 0 and up to {LARGEST_CM}, found {shown(value)}")
+    return float(cast("float", value))
+
+
+def _is_number(value: object) -> bool:
+    """Whether it is a number that a place can have."""
+    return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) <= LARGEST_CM
