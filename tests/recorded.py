@@ -17,7 +17,7 @@ import vdoor.cli
 from vdoor.config import settings_of
 from vdoor.emit import RunInfo
 from vdoor.goldens import drawing
-from vdoor.pipeline import PRESETS, RECORDS, SEARCHES
+from vdoor.pipeline import METHODS, RECORDS, Pipeline
 from vdoor.record import Record
 from vdoor.recording.mcap import McapSink, read_recording
 from vdoor.stages.search import GeneticSearch
@@ -32,14 +32,14 @@ MAP = """
     #......#.......#
     ################
 """
-PIPELINE = dataclasses.replace(PRESETS["paper"], search=GeneticSearch(population=8, generations=3))
+PIPELINE = Pipeline(search=GeneticSearch(population=8, generations=3))
 
 
 @functools.cache
 def small_run() -> tuple[RunInfo, tuple[Record, ...]]:
     """Give what a run on two rooms was, and its records: one a stage, and four generations."""
     grid = drawing(MAP)()
-    settings = settings_of(PIPELINE, {"search": SEARCHES})
+    settings = settings_of(PIPELINE, METHODS)
     records: list[Record] = []
 
     def emit(record: Any, /) -> Any:

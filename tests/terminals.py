@@ -24,7 +24,7 @@ from vdoor.config import settings_of
 from vdoor.emit import R, Recorder, RunInfo
 from vdoor.grid import OccupancyGrid
 from vdoor.history import History
-from vdoor.pipeline import RECORDS, SEARCHES, Pipeline
+from vdoor.pipeline import METHODS, RECORDS, AnyPipeline, Pipeline
 from vdoor.record import Record
 from vdoor.recording.mcap import McapSink, read_recording
 
@@ -38,16 +38,17 @@ ENV = {name: text for name, text in os.environ.items() if name not in SAYS_SIZE}
 def recorded(
     folder: Path,
     grid: OccupancyGrid,
-    pipeline: Pipeline | None = None,
+    pipeline: AnyPipeline | None = None,
     *,
+    preset: str = "paper",
     seed: int = 0,
     until: type[Record] | None = None,
 ) -> Path:
     """A recording of a run, which ends after the first record of type `until` where one is given."""
     pipeline = pipeline or Pipeline()
-    settings = settings_of(pipeline, {"search": SEARCHES})
+    settings = settings_of(pipeline, METHODS)
     path = folder / "run.mcap"
-    sink = McapSink(path, RunInfo(version="0", preset="paper", seed=seed, settings=settings, source=grid.source))
+    sink = McapSink(path, RunInfo(version="0", preset=preset, seed=seed, settings=settings, source=grid.source))
     emit = Recorder([sink])
 
     def stopping(record: R, /) -> R:

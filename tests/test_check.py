@@ -11,16 +11,16 @@ import mcap.writer
 import numpy as np
 import pytest
 from drawn import random_record
-from recorded import Command, small, small_run, write
+from recorded import PIPELINE, Command, small, small_run, write
 
-from vdoor.pipeline import RECORDS
+from vdoor.pipeline import RECORDS, emitted
 from vdoor.record import equal
 from vdoor.recording import about
 from vdoor.recording.check import check
 from vdoor.recording.mcap import McapSink, read_recording
 from vdoor.stages.search import Generation
 
-STAGES = [record.topic for record in RECORDS]
+STAGES = [record.topic for record in PIPELINE.records]
 
 
 @pytest.fixture
@@ -30,7 +30,7 @@ def vdoor(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -
 
 def test_a_whole_recording_is_called_whole(tmp_path: Path, vdoor: Command) -> None:
     path = small(tmp_path / "small.mcap")
-    health = check(path, types=RECORDS)
+    health = check(path, types=RECORDS, emits=emitted)
     assert health.whole
     assert (health.damage, health.missing, health.ended_in) == ((), (), "map")
     assert health.records == dict.fromkeys(STAGES, 1) | {"generation": 4}
@@ -51,7 +51,7 @@ def test_300_flipped_bits_are_all_found(tmp_path: Path) -> None:
         damaged = bytearray(whole)
         damaged[at] ^= bit
         path.write_bytes(damaged)
-        missed += check(path, types=RECORDS).whole
+        missed += check(path, types=RECORDS, emits=emitted).whole
     assert missed == 0
 
 
@@ -72,7 +72,7 @@ def test_a_file_cut_anywhere_is_found_and_the_stage_it_ended_in_named(tmp_path: 
 
 def test_a_run_that_ended_early_is_not_whole(tmp_path: Path) -> None:
     _, records = small_run()
-    health = check(write(tmp_path / "short.mcap", records[:6]), types=RECORDS)
+    health = check(write(tmp_path / "short.mcap", records[:6]), types=RECORDS, emits=emitted)
     assert not health.whole
     assert (health.damage, health.ended_in) == ((), "corners")
     assert health.missing == tuple(f"{topic}: no record" for topic in ("doors", "initial_map", "generation", "map"))
@@ -86,7 +86,7 @@ def test_stages_and_generations_left_out_are_named(tmp_path: Path) -> None:
         if record.topic != "corners" and step != 9:
             sink.write(step, record)
     sink.close()
-    assert check(path, types=RECORDS).missing == (
+    assert check(path, types=RECORDS, emits=emitted).missing == (
         "corners: no record",
         "1 record between step 8 and step 10 (generation)",
     )
@@ -94,7 +94,11 @@ def test_stages_and_generations_left_out_are_named(tmp_path: Path) -> None:
 
 def test_stages_out_of_order_are_named(tmp_path: Path) -> None:
     _, records = small_run()
-    health = check(write(tmp_path / "mixed.mcap", [*records[:2], records[3], records[2], *records[4:]]), types=RECORDS)
+    health = check(
+        write(tmp_path / "mixed.mcap", [*records[:2], records[3], records[2], *records[4:]]),
+        types=RECORDS,
+        emits=emitted,
+    )
     assert health.damage == ("step 3: wanted no path after curvature, found one",)
 
 
@@ -133,7 +137,7 @@ def test_a_file_that_lies_with_all_checksums_right_is_found_out(
     with monkeypatch.context() as patch:
         patch.setattr(record, "write", lying)
         path = small(tmp_path / "small.mcap")
-    health = check(path, types=RECORDS)
+    health = check(path, types=RECORDS, emits=emitted)
     assert any(said in problem for problem in health.damage), health.damage
     assert health.records["map"] == 1
     assert all(
@@ -147,10 +151,12 @@ def test_a_file_without_checksums_or_with_more_behind_it_is_not_whole(
     with monkeypatch.context() as patch:
         patch.setattr(zlib, "crc32", lambda *_: 0)
         path = small(tmp_path / "small.mcap")
-    assert any("wanted a checksum, found none" in problem for problem in check(path, types=RECORDS).damage)
+    assert any(
+        "wanted a checksum, found none" in problem for problem in check(path, types=RECORDS, emits=emitted).damage
+    )
     path = small(tmp_path / "small.mcap")
     path.write_bytes(path.read_bytes() + b"more")
-    assert "wanted nothing after byte" in check(path, types=RECORDS).damage[0]
+    assert "wanted nothing after byte" in check(path, types=RECORDS, emits=emitted).damage[0]
 
 
 def test_another_version_opens_and_another_schema_or_field_is_refused_by_name(

@@ -16,12 +16,13 @@ import yaml
 from PIL import Image
 
 import vdoor
-from vdoor.pipeline import RECORDS
+from vdoor.pipeline import PRESETS, RECORDS, Pipeline
 from vdoor.recording.mcap import read_recording
 from vdoor.topology import TopologicalMap
 
 HOME = Path(__file__).parent.parent
 FLAT = HOME / "recordings" / "flat.yaml"
+PAPER = Pipeline().records
 VDOOR = Path(sys.executable).parent / "vdoor"
 
 
@@ -63,7 +64,7 @@ def test_result_folder_holds_the_map_that_python_returns(results: Path) -> None:
     ]
     assert document["size"] == {"width": topology.frame.width, "height": topology.frame.height}
     assert document["settings"]["simplify"]["cell_m"] == 0.2
-    assert set(document["timings_s"]) == {record.topic for record in RECORDS}
+    assert set(document["timings_s"]) == {record.topic for record in PAPER}
 
 
 def test_grid_png_reads_back_as_the_map(results: Path) -> None:
@@ -79,7 +80,7 @@ def test_recording_holds_every_stage_and_the_result(results: Path) -> None:
     recording = read_recording(results / "flat.mcap", types=RECORDS)
     records = [record for _, record in recording]
     assert [type(record) for record in records if record.topic != "generation"] == [
-        record for record in RECORDS if record.topic != "generation"
+        record for record in PAPER if record.topic != "generation"
     ]
     assert isinstance(records[-1], TopologicalMap)
     assert np.array_equal(records[-1].labels, np.asarray(Image.open(results / "flat" / "rooms.png")))
@@ -142,7 +143,7 @@ def test_force_overwrites(tmp_path: Path) -> None:
     target = tmp_path / "flat.mcap"
     target.write_text("old")
     call("run", FLAT, "--mcap", target, "--force")
-    assert sum(1 for _ in read_recording(target, types=RECORDS)) > len(RECORDS)
+    assert sum(1 for _ in read_recording(target, types=RECORDS)) > len(PRESETS["default"].records)
 
 
 @pytest.mark.parametrize(
@@ -187,7 +188,7 @@ def test_map_whose_name_is_no_text_can_be_recorded(tmp_path: Path) -> None:
     image = Path(os.fsdecode(os.fsencode(tmp_path) + b"/bad\xff.pgm"))
     image.write_bytes((HOME / "recordings" / "flat.pgm").read_bytes())
     call("run", image, "--resolution", "0.2", "--mcap", tmp_path / "o.mcap", "--save", tmp_path / "o.rrd")
-    assert sum(1 for _ in read_recording(tmp_path / "o.mcap", types=RECORDS)) > len(RECORDS)
+    assert sum(1 for _ in read_recording(tmp_path / "o.mcap", types=RECORDS)) > len(PRESETS["default"].records)
 
 
 def test_result_folder_that_cannot_be_made_is_refused_before_the_run(tmp_path: Path) -> None:
@@ -258,7 +259,7 @@ def test_interrupted_run_names_a_readable_partial_file(tmp_path: Path, number: s
     rerun = [VDOOR.with_name("rerun"), "rrd", "verify", f"{picture}.partial"]
     assert subprocess.run(rerun, env=os.environ | {"CI": "1"}, check=False).returncode == 0
     topics = [record.topic for _, record in read_recording(partial, types=RECORDS)]
-    assert topics[:8] == [record.topic for record in RECORDS[:8]]
+    assert topics[:8] == [record.topic for record in PAPER[:8]]
     assert topics[-1] == "generation"
 
 
@@ -271,7 +272,7 @@ def test_help_of_every_command_has_an_example() -> None:
 def test_bench_and_search_study_print_figures() -> None:
     report = json.loads(call("bench", "--json", "--tile", "2").stdout)
     assert report["cells"][0] > 2 * 100
-    assert set(report["stages_s"]) == {record.topic for record in RECORDS}
+    assert set(report["stages_s"]) == {record.topic for record in PAPER}
     text = call("search-study", "--graphs", "4", "--seeds", "3").stdout
     assert "of searches reach the optimum" in text
 

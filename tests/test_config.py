@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import tomllib
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,10 +15,13 @@ from maps import law
 
 from vdoor.config import parse_assignments, read_toml, settings_of, to_toml, with_settings
 from vdoor.errors import SettingError
-from vdoor.pipeline import PRESETS, SEARCHES, Pipeline
+from vdoor.pipeline import METHODS, PRESETS, Pipeline
+from vdoor.stages.certify import NoProof
+from vdoor.stages.score import NoScores, ScoreDoors
 from vdoor.stages.search import AnnealingSearch, ExhaustiveSearch, GeneticSearch
+from vdoor.stages.simplify import SimplifyGrid
 
-CHOICES = {"search": SEARCHES}
+CHOICES = METHODS
 
 
 def changed(*assignments: str, pipeline: Pipeline | None = None) -> Pipeline:
@@ -29,7 +33,9 @@ def test_settings_go_out_as_toml_and_come_back(preset: str, tmp_path: Path) -> N
     pipeline = PRESETS[preset]
     path = tmp_path / "settings.toml"
     path.write_text(to_toml(pipeline, CHOICES), encoding="utf-8")
-    other = PRESETS["default" if preset == "paper" else "paper"]
+    other = dataclasses.replace(pipeline, simplify=SimplifyGrid(cell_m=0.07, passes=9))
+    if isinstance(pipeline, Pipeline):
+        other = PRESETS["default" if preset == "paper" else "paper"]
     assert with_settings(other, read_toml(path), CHOICES) == pipeline
     assert with_settings(other, settings_of(pipeline, CHOICES), CHOICES) == pipeline
 
@@ -39,7 +45,16 @@ def test_every_setting_is_in_the_file_with_its_meaning_above_it() -> None:
     tables = settings_of(Pipeline(), CHOICES)
     assert tomllib.loads(text) == {name: table for name, table in tables.items() if table}
     assert "# Longest door, between the centres of its end cells. (0 to 20)\nmax_length_m = 1.2\n" in text
-    assert '# One of genetic, exhaustive, annealing\nmethod = "genetic"\n' in text
+    assert '# One of genetic, exhaustive, annealing, memetic\nmethod = "genetic"\n' in text
+
+
+def test_a_stage_that_is_left_out_is_in_the_file_by_its_method_alone() -> None:
+    tables = tomllib.loads(to_toml(Pipeline(), CHOICES))
+    assert (tables["score"], tables["certify"]) == ({"method": "none"}, {"method": "none"})
+    back = with_settings(PRESETS["default"], {name: tables[name] for name in ("score", "certify")}, CHOICES)
+    assert isinstance(PRESETS["default"], Pipeline)
+    assert isinstance(PRESETS["default"].score, ScoreDoors)
+    assert (back.score, back.certify, back.doors) == (NoScores(), NoProof(), PRESETS["default"].doors)
 
 
 @law
@@ -47,7 +62,7 @@ def test_every_setting_is_in_the_file_with_its_meaning_above_it() -> None:
     cell_m=st.floats(0, 10),
     robot_m=st.lists(st.floats(-1e6, 1e6), min_size=2, max_size=2),
     passes=st.integers(0, 100),
-    method=st.sampled_from(sorted(SEARCHES)),
+    method=st.sampled_from(sorted(METHODS["search"])),
 )
 def test_values_survive_the_round_trip_to_the_last_bit(
     cell_m: float, robot_m: list[float], passes: int, method: str

@@ -16,7 +16,7 @@ from recorded import Command, read, small, small_run
 
 from vdoor.files import partial_name
 from vdoor.grid import Source
-from vdoor.pipeline import RECORDS
+from vdoor.pipeline import RECORDS, emitted
 from vdoor.record import Record, equal
 from vdoor.recording import about
 from vdoor.recording.check import check
@@ -35,11 +35,11 @@ def vdoor(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -
 def recovered(path: Path) -> tuple[Recovery, dict[int, Record]]:
     """Give what came back of a file, by step: it is what was recorded, in a file that is whole but for the missing."""
     out = path.with_name("fixed.mcap")
-    found = recover(path, out, types=RECORDS)
+    found = recover(path, out, types=RECORDS, emits=emitted)
     if not found.records:
         assert not out.exists()
         return found, {}
-    health = check(out, types=RECORDS)
+    health = check(out, types=RECORDS, emits=emitted)
     assert (health.damage, health.missing, health.records) == ((), found.missing, found.records)
     back = dict(read_recording(out, types=RECORDS))
     assert all(equal(record, small_run()[1][step]) for step, record in back.items())
@@ -205,7 +205,7 @@ def test_a_run_that_is_killed_leaves_every_stage_it_finished(tmp_path: Path, vdo
         back = read(path)
         assert len(back) == step + 1
         assert all(equal(*pair) for pair in zip(back, records, strict=False))
-        assert check(path, types=RECORDS).ended_in == records[step].topic
+        assert check(path, types=RECORDS, emits=emitted).ended_in == records[step].topic
 
 
 def limited() -> None:

@@ -203,7 +203,7 @@ def test_every_door_that_stays_parts_two_rooms_and_says_which(cells: Cells, data
     initial, free = found.initial, found.simplified.cells == FREE
     problem = MergeProblem(initial, Pipeline().cost)
     removed = np.array(data.draw(st.lists(st.booleans(), min_size=problem.edges, max_size=problem.edges)), np.bool_)
-    room_of_piece, rows = merged(initial, problem, removed)
+    room_of_piece, rows = merged(problem, removed)
     cover = covers(initial, found.doors.line_cell, found.doors.line_door)
     kept = {edge for edge, _, _ in rows}
     assert not kept & set(np.flatnonzero(removed).tolist())

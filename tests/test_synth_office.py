@@ -52,7 +52,7 @@ def test_a_door_is_a_free_gap_of_its_width(seed: int) -> None:
     office = made(PLAIN, seed)
     for door in office.doors:
         assert np.hypot(*np.subtract(door.end_m, door.start_m)) == pytest.approx(door.width_m, abs=1e-5)
-        assert 0.8 - 1e-6 <= door.width_m <= 2.6 + 1e-6
+        assert 0.8 - 1e-6 <= door.width_m <= PLAIN.corridor_max_m + 1e-6  # some are the mouths of corridors
         assert door.unsure == (door.width_m >= PLAIN.unsure_from_m - 1e-9)
         cells = cells_on(office, door)[8:-8]  # a cell whose middle is in the jamb may begin 4 cm before it
         assert office.grid.free[tuple(cells.T)].all()
@@ -86,7 +86,7 @@ def test_floors_are_as_varied_as_wanted() -> None:
     widths = [door.width_m for office in offices for door in office.doors]
     assert max(rooms) > 30
     assert min(rooms) < 20
-    assert np.mean(np.array(widths) <= 1.2) > 0.75
+    assert np.mean(np.array(widths) <= 1.2) > 0.6
     assert max(widths) > 1.8
 
 

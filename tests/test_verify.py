@@ -69,7 +69,7 @@ def test_one_flipped_cell_is_caught_where_it_is(topic: str, field: str, tmp_path
     assert "0.900,0.900 m)" in out
 
 
-@pytest.mark.parametrize("topic", [record.topic for record in RECORDS])
+@pytest.mark.parametrize("topic", [record.topic for record in PIPELINE.records])
 def test_a_change_in_any_stage_is_caught_at_that_stage(topic: str, tmp_path: Path, vdoor: Command) -> None:
     fields = {
         "input": ("cells", (0, 0)),

@@ -15,7 +15,7 @@ import numpy as np
 from vdoor.emit import Emit, Recorder, RunInfo, Stopwatch, silent
 from vdoor.grid import FREE, UNKNOWN, OccupancyGrid
 from vdoor.outputs import Outputs, opened
-from vdoor.pipeline import Pipeline
+from vdoor.pipeline import AnyPipeline
 from vdoor.stages.simplify import SimplifyGrid
 from vdoor.synth import PRESETS, synthesize
 
@@ -51,7 +51,7 @@ class Report:
         return "\n".join(lines)
 
 
-def measured(grids: Mapping[str, OccupancyGrid], pipeline: Pipeline, *, tile: int, record: bool) -> Iterator[Report]:
+def measured(grids: Mapping[str, OccupancyGrid], pipeline: AnyPipeline, *, tile: int, record: bool) -> Iterator[Report]:
     """Run each map once, after a small one that warms up the libraries."""
     for grid in own_maps().values():
         pipeline(grid, np.random.default_rng(0), silent)
@@ -75,7 +75,7 @@ def measured(grids: Mapping[str, OccupancyGrid], pipeline: Pipeline, *, tile: in
         )
 
 
-def recorded_s(grid: OccupancyGrid, pipeline: Pipeline) -> float:
+def recorded_s(grid: OccupancyGrid, pipeline: AnyPipeline) -> float:
     """CPU seconds of the same run with both recordings; opening the files, with its imports, is left out."""
     info = RunInfo(version="", preset="bench", seed=0, settings={}, source=grid.source)
     with tempfile.TemporaryDirectory() as folder:

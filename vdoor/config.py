@@ -136,12 +136,13 @@ def to_toml(pipeline: object, choices: Choices) -> str:
     """All settings as a TOML file, each with its meaning as a comment."""
     parts = []
     for name, table in settings_of(pipeline, choices).items():
+        if not table:
+            continue
         stage = getattr(pipeline, name)
         lines = [f"# {(inspect.getdoc(stage) or '').splitlines()[0]}", f"[{name}]"]
         if METHOD in table and name in choices:
-            lines += [f"# One of {', '.join(choices[name])}", f"{METHOD} = {json.dumps(table.pop(METHOD))}"]
-        if table:
-            parts.append("\n".join([*lines, *commented(stage)]))
+            lines += [f"# One of {', '.join(choices[name])}", f"{METHOD} = {json.dumps(table[METHOD])}"]
+        parts.append("\n".join([*lines, *commented(stage)]))
     return "\n\n".join(parts) + "\n"
 
 

@@ -17,7 +17,7 @@ from vdoor.errors import RecordingError
 from vdoor.files import make_folder, partial_name
 from vdoor.formats import read_map, read_source
 from vdoor.grid import OccupancyGrid, Source
-from vdoor.pipeline import RECORDS, SEARCHES, preset_named
+from vdoor.pipeline import METHODS, RECORDS, preset_named
 from vdoor.recording.diff import compare, runs_that_differ
 from vdoor.recording.mcap import McapSink, read_recording
 from vdoor.recording.printable import printable
@@ -115,7 +115,7 @@ def remade(folder: Path) -> Iterator[str]:
 def record(grid: OccupancyGrid, path: Path) -> Path:
     """Run the golden preset on a grid and record it."""
     pipeline = preset_named(PRESET)
-    settings = settings_of(pipeline, {"search": SEARCHES})
+    settings = settings_of(pipeline, METHODS)
     info = RunInfo(version=__version__, preset=PRESET, seed=SEED, settings=settings, source=grid.source)
     try:
         sink = McapSink(path, info)

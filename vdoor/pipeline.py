@@ -12,40 +12,61 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from vdoor.emit import Emit, silent
+from vdoor.baselines import ErodedSpace, ErodedSpacePipeline, GrownRooms, Narrows, Skeleton, VoronoiDoorsPipeline
+from vdoor.config import with_settings
+from vdoor.emit import Emit, RunInfo, silent
 from vdoor.errors import SettingError
 from vdoor.grid import OccupancyGrid
 from vdoor.record import Record
+from vdoor.stages.certify import BoundEnergy, Certificate, NoProof
 from vdoor.stages.corners import Candidates, Corners, FindCandidates, FindCorners
-from vdoor.stages.cost import MapCost, MergeProblem
+from vdoor.stages.cost import DoorEnergy, MapCost, MergeProblem
 from vdoor.stages.curvature import Curvature, EstimateCurvature
 from vdoor.stages.doors import ProposeDoors, VirtualDoors
+from vdoor.stages.memetic import MemeticSearch
 from vdoor.stages.merge import MergeRooms
 from vdoor.stages.rooms import DivideRooms, InitialMap
+from vdoor.stages.score import DoorScores, NoScores, ScoreDoors
 from vdoor.stages.search import AnnealingSearch, ExhaustiveSearch, Generation, GeneticSearch
 from vdoor.stages.simplify import SimplifiedGrid, SimplifyGrid
 from vdoor.stages.trace import BoundaryPath, TraceBoundary
+from vdoor.stages.wide import ProposeWideDoors
 from vdoor.topology import TopologicalMap
 
 RECORDS: tuple[type[Record], ...] = (
     OccupancyGrid,
     SimplifiedGrid,
+    Skeleton,
+    Narrows,
     BoundaryPath,
     Curvature,
     Candidates,
     Corners,
     VirtualDoors,
+    DoorScores,
     InitialMap,
     Generation,
+    Certificate,
+    ErodedSpace,
+    GrownRooms,
     TopologicalMap,
 )
-"""What a run emits, in this order; `Generation` as often as the search has generations."""
+"""All that runs emit, in this order; `Generation` as often as the search has generations. Which of them a run emits is
+its pipeline's `records`."""
 
-SEARCHES: dict[str, type[GeneticSearch | ExhaustiveSearch | AnnealingSearch]] = {
-    "genetic": GeneticSearch,
-    "exhaustive": ExhaustiveSearch,
-    "annealing": AnnealingSearch,
+METHODS: dict[str, dict[str, type]] = {
+    "doors": {"paper": ProposeDoors, "wide": ProposeWideDoors},
+    "score": {"none": NoScores, "curves": ScoreDoors},
+    "cost": {"paper": MapCost, "energy": DoorEnergy},
+    "search": {
+        "genetic": GeneticSearch,
+        "exhaustive": ExhaustiveSearch,
+        "annealing": AnnealingSearch,
+        "memetic": MemeticSearch,
+    },
+    "certify": {"none": NoProof, "bound": BoundEnergy},
 }
+"""Stages that can be done in several ways, by the name of each."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -57,11 +78,21 @@ class Pipeline:
     curvature: EstimateCurvature = field(default_factory=EstimateCurvature)
     candidates: FindCandidates = field(default_factory=FindCandidates)
     corners: FindCorners = field(default_factory=FindCorners)
-    doors: ProposeDoors = field(default_factory=ProposeDoors)
+    doors: ProposeDoors | ProposeWideDoors = field(default_factory=ProposeDoors)
+    score: NoScores | ScoreDoors = field(default_factory=NoScores)
     divide: DivideRooms = field(default_factory=DivideRooms)
-    cost: MapCost = field(default_factory=MapCost)
-    search: GeneticSearch | ExhaustiveSearch | AnnealingSearch = field(default_factory=GeneticSearch)
+    cost: MapCost | DoorEnergy = field(default_factory=MapCost)
+    search: GeneticSearch | ExhaustiveSearch | AnnealingSearch | MemeticSearch = field(default_factory=GeneticSearch)
+    certify: NoProof | BoundEnergy = field(default_factory=NoProof)
     merge: MergeRooms = field(default_factory=MergeRooms)
+
+    @property
+    def records(self) -> tuple[type[Record], ...]:
+        """What a run emits, in this order."""
+        left_out: set[type[Record]] = {Skeleton, Narrows, ErodedSpace, GrownRooms}
+        left_out |= {DoorScores} if isinstance(self.score, NoScores) else set()
+        left_out |= {Certificate} if isinstance(self.certify, NoProof) else set()
+        return tuple(record for record in RECORDS if record not in left_out)
 
     def __call__(self, grid: OccupancyGrid, rng: np.random.Generator, emit: Emit = silent) -> TopologicalMap:
         """Rooms and doors of `grid`; `emit` sees every stage's record on the way."""
@@ -72,26 +103,64 @@ class Pipeline:
         candidates = emit(self.candidates(path, curvature))
         corners = emit(self.corners(path, curvature, candidates))
         doors = emit(self.doors(simplified, path, corners))
-        initial = emit(self.divide(simplified, path, corners, doors))
-        problem = MergeProblem(initial, self.cost)
+        scores = self.score(simplified, path, corners, doors)
+        if scores is not None:
+            emit(scores)
+        initial = emit(self.divide(simplified, path, corners, doors, scores))
+        problem = MergeProblem(initial, self.cost, scores)
         best = deque((emit(generation) for generation in self.search(problem, rng)), maxlen=1).pop()
+        certificate = self.certify(problem, best)
+        if certificate is not None:
+            emit(certificate)
         return emit(self.merge(grid, simplified, initial, best, problem))
 
 
-PRESETS: dict[str, Pipeline] = {
+AnyPipeline = Pipeline | VoronoiDoorsPipeline | ErodedSpacePipeline
+"""The method, or what it is compared with: settings by stage, `simplify` first, and `records`."""
+
+PRESETS: dict[str, AnyPipeline] = {
     "paper": Pipeline(),
-    "default": Pipeline(simplify=SimplifyGrid(cell_m=0.0), search=AnnealingSearch()),
+    "default": Pipeline(
+        simplify=SimplifyGrid(cell_m=0.0, thin_unknown_m=0.1, least_part_m2=1.0, max_island_m=1.0),
+        doors=ProposeWideDoors(),
+        score=ScoreDoors(),
+        cost=DoorEnergy(),
+        search=MemeticSearch(),
+        certify=BoundEnergy(),
+    ),
+    "voronoi-doors": VoronoiDoorsPipeline(),
+    "eroded-space": ErodedSpacePipeline(),
 }
 
 
-def preset_named(name: str) -> Pipeline:
+def preset_named(name: str) -> AnyPipeline:
     """The preset of that name."""
     if name not in PRESETS:
         raise SettingError(f"preset {name!r}: wanted one of {', '.join(PRESETS)}")
     return PRESETS[name]
 
 
-def run(grid: OccupancyGrid, preset: str | Pipeline = "paper", *, seed: int = 0, emit: Emit = silent) -> TopologicalMap:
+def recorded(info: RunInfo) -> AnyPipeline:
+    """The pipeline of a recorded run; the paper's where its preset is not known.
+
+    A recording names every setting there was: what it does not name came later, and is off as in the paper.
+    """
+    preset = PRESETS.get(info.preset, Pipeline())
+    base = Pipeline() if isinstance(preset, Pipeline) else preset
+    return with_settings(base, info.settings, METHODS, place="recorded settings")
+
+
+def emitted(info: RunInfo) -> tuple[type[Record], ...]:
+    """What a recorded run emits; what its preset does where its settings cannot be read."""
+    try:
+        return recorded(info).records
+    except SettingError:
+        return PRESETS.get(info.preset, Pipeline()).records
+
+
+def run(
+    grid: OccupancyGrid, preset: str | AnyPipeline = "paper", *, seed: int = 0, emit: Emit = silent
+) -> TopologicalMap:
     """The topological map of `grid` by a preset or a pipeline of your own; equal seeds give equal results."""
     pipeline = preset_named(preset) if isinstance(preset, str) else preset
     return pipeline(grid, np.random.default_rng(seed), emit)

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from vdoor import __version__
-from vdoor.cli import evaluate, export, recordings, run, studies, terminal, viewing
+from vdoor.cli import evaluate, export, recordings, rooms, run, studies, terminal, training, trials, viewing
 from vdoor.errors import VdoorError
 from vdoor.say import say
 
@@ -35,16 +35,23 @@ COMMANDS = (
     ("check", recordings.check, "vdoor check out.mcap"),
     ("recover", recordings.recover, "vdoor recover out.mcap.partial -o out.mcap"),
     ("export", export.export, "vdoor export result/ --to nav2-route -o route.geojson"),
+    ("rooms", rooms.rooms, "vdoor rooms result/"),
+    ("room-at", rooms.room_at, "vdoor room-at 3.2,-4.1 out.mcap"),
     ("golden", recordings.golden, "vdoor golden recordings/golden"),
     ("evaluate", evaluate.evaluate, "vdoor evaluate result/ --reference truth.png --min door_f1=0.9 --save seen.rrd"),
+    ("ablate", trials.ablate, "vdoor ablate maps/ --reference truth/ --exclude furnished --model my_curves.json"),
+    ("robust", trials.robust, "vdoor robust maps/ --reference truth/ --bare-map maps/ --free-from 250 --json"),
     ("synth", studies.synth, "vdoor synth maps/flat --kind paper --seed 3 --set furniture=true"),
+    ("train", training.train, "vdoor train -o curves.json; vdoor run map.pgm --set score.model=curves.json"),
     ("bench", studies.bench, "vdoor bench --tile 4"),
     ("search-study", studies.search_study, "vdoor search-study --graphs 60 --seeds 50"),
 )
 """Name, function, example."""
+CONTEXTS = {"room-at": {"ignore_unknown_options": True}}
+"""A place may begin with a minus, and is no option for that."""
 
 for name, function, example in COMMANDS:
-    app.command(name, epilog=f"Example: {example}")(function)
+    app.command(name, epilog=f"Example: {example}", context_settings=CONTEXTS.get(name))(function)
 
 
 def _print_version(wanted: bool) -> None:

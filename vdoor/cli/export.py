@@ -1,13 +1,22 @@
-"""`vdoor export`."""
+"""`vdoor export`, and what `vdoor run --export` needs of it."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from vdoor.cli.options import Force
+from vdoor.errors import VdoorError
+
+if TYPE_CHECKING:
+    from vdoor.emit import RunInfo, Sink
+    from vdoor.export import Export
+    from vdoor.export.report import Story
+    from vdoor.grid import OccupancyGrid
+    from vdoor.topology import TopologicalMap
 
 
 def export(
@@ -35,13 +44,13 @@ def export(
     virtual-walls  walls across the doors (out of --room, if given) for robot vacuums: Valetudo's restrictions, in cm
     rmf            Open-RMF navigation graph with doors (YAML)
     svg            a picture of rooms and doors
+    report         a web page of its own: map with every stage, rooms, doors, cost curve, settings (stages: from .mcap)
     """  # noqa: D301  # \b keeps the lines of the list apart
-    from vdoor.errors import VdoorError
     from vdoor.export import Export, files_of, read_finished, refuse_files, writer_named
 
     wanted = Export(writer_named(to), out, tuple(room or ()))
     refuse_files([wanted], force=force, read=files_of(result))
-    finished = read_finished(result)
+    finished = read_finished(result, story=wanted.tells)
     try:
         content = wanted.content(finished)
     except VdoorError as error:
@@ -51,3 +60,46 @@ def export(
         return
     for path in wanted.put(content):
         print(path)
+
+
+class RunExports:
+    """What `vdoor run` is to export, FORMAT=FILE each; `SettingError` for anything else."""
+
+    def __init__(self, texts: Sequence[str]) -> None:
+        self.all: list[Export] = []
+        self._story: Story | None = None
+        if texts:
+            from vdoor.export import Export  # takes a second
+
+            self.all = [Export.parse(text) for text in texts]
+
+    @property
+    def files(self) -> list[Path]:
+        """All files that will be written."""
+        return [path for item in self.all for path in item.files]
+
+    def sinks(self, info: RunInfo) -> list[Sink]:
+        """What has to see the records of the run, if any export tells of them."""
+        if not any(item.tells for item in self.all):
+            return []
+        from vdoor.export.report import Story
+
+        self._story = Story.of(info)
+        return [self._story]
+
+    def write(self, topology: TopologicalMap, grid: OccupancyGrid, map_file: Path) -> VdoorError | None:
+        """Write all that this map has; why not, for the first that it has not."""
+        if not self.all:
+            return None
+        from vdoor.export import Finished, own_origin_cm
+
+        finished = Finished(topology, own_origin_cm(grid.source), self._story)
+        refused = None
+        for item in self.all:
+            try:
+                content = item.content(finished)
+            except VdoorError as error:
+                refused = refused or type(error)(f"{error}: {map_file}")
+            else:
+                item.put(content)
+        return refused

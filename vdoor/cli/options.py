@@ -12,13 +12,13 @@ from vdoor.say import say
 
 if TYPE_CHECKING:
     from vdoor.grid import OccupancyGrid
-    from vdoor.pipeline import Pipeline
+    from vdoor.pipeline import AnyPipeline
 
 PIPE = "-"
 MapFile = Annotated[
     Path, typer.Argument(metavar="MAP", help="ROS map YAML, image, .npy, Valetudo JSON or - (stdin), bag, recording.")
 ]
-Preset = Annotated[str, typer.Option(help="paper (as printed) or default.")]
+Preset = Annotated[str, typer.Option(help="paper (as printed), default, voronoi-doors or eroded-space.")]
 Seed = Annotated[int, typer.Option(min=0, help="Seed of everything random.")]
 Config = Annotated[Path | None, typer.Option(metavar="FILE.toml", help="Settings file, see `vdoor config`.")]
 Set = Annotated[list[str] | None, typer.Option("--set", metavar="STAGE.FIELD=VALUE", help="One setting; repeatable.")]
@@ -54,10 +54,10 @@ def read_grid(
 
 def chosen_pipeline(
     preset: str, file: Path | None, assignments: list[str] | None, *, robot: tuple[float, float] | None = None
-) -> Pipeline:
+) -> AnyPipeline:
     """The preset with the settings file, then --set, then --robot laid over it."""
     from vdoor.config import parse_assignments, read_toml, with_settings
-    from vdoor.pipeline import SEARCHES, preset_named
+    from vdoor.pipeline import METHODS, preset_named
 
     layers: list[tuple[str, dict[str, Any]]] = []
     if file is not None:
@@ -67,7 +67,7 @@ def chosen_pipeline(
         layers.append(("--robot", {"simplify": {"robot_m": list(robot)}}))
     pipeline = preset_named(preset)
     for place, tables in layers:
-        pipeline = with_settings(pipeline, tables, {"search": SEARCHES}, place=place)
+        pipeline = with_settings(pipeline, tables, METHODS, place=place)
     return pipeline
 
 
@@ -87,7 +87,7 @@ def robot_place(grid: OccupancyGrid, text: str | None, *, cells: bool) -> tuple[
     return x_m, y_m
 
 
-def placed(pipeline: Pipeline, grid: OccupancyGrid, *, quiet: bool) -> Pipeline:
+def placed(pipeline: AnyPipeline, grid: OccupancyGrid, *, quiet: bool) -> AnyPipeline:
     """The pipeline with the robot, or else its charger, where the map's file says, unless its place is set already.
 
     A place without a free cell near it is passed over, as the first stage would refuse it.

@@ -91,12 +91,12 @@ def diff(
 
 def info(rec: Rec, *, as_json: Json = False) -> None:
     """Say what a recording holds: run, map, settings, stages, and whether it is whole."""
-    from vdoor.pipeline import RECORDS
+    from vdoor.pipeline import RECORDS, emitted
     from vdoor.recording import report, summary
     from vdoor.recording.check import check as checked
     from vdoor.recording.printable import printable
 
-    health = checked(rec, types=RECORDS)
+    health = checked(rec, types=RECORDS, emits=emitted)
     if health.info is None:
         raise RecordingError(f"{health.damage[0]}: {rec}")
     changed = _changed(health.info)
@@ -110,12 +110,12 @@ def info(rec: Rec, *, as_json: Json = False) -> None:
 
 def check(rec: Rec, *, as_json: Json = False) -> None:
     """Read all of a recording and compare every checksum and index: 0 if it is whole, 1 if not."""
-    from vdoor.pipeline import RECORDS
+    from vdoor.pipeline import RECORDS, emitted
     from vdoor.recording import report, summary
     from vdoor.recording.check import check as checked
     from vdoor.recording.printable import printable
 
-    health = checked(rec, types=RECORDS)
+    health = checked(rec, types=RECORDS, emits=emitted)
     if as_json:
         print(report.to_json(summary.health_table(health)))
     else:
@@ -132,13 +132,13 @@ def recover(
 ) -> None:
     """Write a whole recording of what a damaged one still holds: 1 and no file if that is nothing."""
     from vdoor.files import refuse_existing
-    from vdoor.pipeline import RECORDS
+    from vdoor.pipeline import RECORDS, emitted
     from vdoor.recording import report
     from vdoor.recording.printable import printable
     from vdoor.recording.recover import recover as recovered
 
     refuse_existing([out], force=force, reads=broken)
-    found = recovered(broken, out, types=RECORDS)
+    found = recovered(broken, out, types=RECORDS, emits=emitted)
     if as_json:
         print(report.to_json(found))
     else:
@@ -215,14 +215,14 @@ def _run_again(recording: Recording, emit: Emit, max_cells: int) -> None:
     """Run the method on the recorded source (or grid, where no files were kept), with its settings and seed."""
     import numpy as np
 
-    from vdoor.config import with_settings
     from vdoor.formats import read_source
-    from vdoor.pipeline import SEARCHES, preset_named
+    from vdoor.pipeline import preset_named, recorded
 
     run = recording.info
     if run.seed < 0:
         raise SettingError(f"seed: wanted 0 or more, found {run.seed}")
-    pipeline = with_settings(preset_named(run.preset), run.settings, {"search": SEARCHES}, place="recorded settings")
+    preset_named(run.preset)
+    pipeline = recorded(run)
     grid: Any = read_source(run.source, max_cells=max_cells) if run.source.files else next(iter(recording))[1]
     pipeline(grid, np.random.default_rng(run.seed), emit)
 
@@ -230,9 +230,9 @@ def _run_again(recording: Recording, emit: Emit, max_cells: int) -> None:
 def _changed(run: RunInfo) -> list[Setting] | None:
     """Settings that are not the preset's, None where there is no such preset."""
     from vdoor.config import settings_of
-    from vdoor.pipeline import PRESETS, SEARCHES
+    from vdoor.pipeline import METHODS, PRESETS
     from vdoor.recording.diff import settings_that_differ
 
     if run.preset not in PRESETS:
         return None
-    return settings_that_differ(settings_of(PRESETS[run.preset], {"search": SEARCHES}), run.settings)
+    return settings_that_differ(settings_of(PRESETS[run.preset], METHODS), run.settings)

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from vdoor import __version__
+from vdoor.cli.export import RunExports
 from vdoor.cli.options import (
+    PIPE,
     Config,
     Force,
     Json,
@@ -30,7 +33,7 @@ from vdoor.say import say
 if TYPE_CHECKING:
     from vdoor.emit import RunInfo
     from vdoor.grid import OccupancyGrid
-    from vdoor.pipeline import Pipeline
+    from vdoor.pipeline import AnyPipeline
     from vdoor.topology import TopologicalMap
 
 
@@ -40,6 +43,12 @@ def run(
     save: Annotated[Path | None, typer.Option(metavar="FILE.rrd", help="Rerun recording, to look at.")] = None,
     mcap: Annotated[Path | None, typer.Option(metavar="FILE.mcap", help="MCAP recording, exact.")] = None,
     out: Annotated[Path | None, typer.Option(metavar="DIR", help="rooms.png, rooms.yaml, grid.png, map.json.")] = None,
+    export: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--export", metavar="FORMAT=FILE", help="Also for other programs, see `vdoor export`; repeatable."
+        ),
+    ] = None,
     preset: Preset = "default",
     config: Config = None,
     set_: Set = None,
@@ -60,29 +69,31 @@ def run(
 ) -> None:
     """Find the rooms and doors of a map."""
     from vdoor.emit import Recorder, Stopwatch
-    from vdoor.files import refuse_existing, refuse_folder, refuse_input
     from vdoor.formats import result
     from vdoor.outputs import Outputs, Progress, opened
     from vdoor.pipeline import run as run_pipeline
 
     outputs = Outputs(save=save, mcap=mcap, connect=connect, serve=serve, spawn=spawn)
-    folder_files = [out / name for name in result.NAMES] if out else []
-    refuse_existing([*outputs.files, *folder_files], force=force)
-    refuse_input(map_file, [*outputs.files, *folder_files])
-    if out:
-        refuse_folder(out)
+    exports = RunExports(export or ())
+    written = [*outputs.files, *([out / name for name in result.NAMES] if out else []), *exports.files]
+    _refuse_outputs(written, out, map_file, force=force)
     grid = read_grid(map_file, resolution, unknown_value, max_cells, topic=topic, quiet=quiet)
+    _refuse_sources(written, map_file, grid)
     pipeline = chosen_pipeline(preset, config, set_, robot=robot_place(grid, robot, cells=cells))
     pipeline = placed(pipeline, grid, quiet=quiet)
     info = _info(grid, preset, pipeline, seed)
     with opened(outputs, info) as recording:
-        watch = Stopwatch(Recorder([*recording.sinks, *([] if quiet else [Progress(verbose=verbose)])]))
+        progress = [] if quiet else [Progress(verbose=verbose)]
+        watch = Stopwatch(Recorder([*recording.sinks, *exports.sinks(info), *progress]))
         topology = run_pipeline(grid, pipeline, seed=seed, emit=watch)
         recording.finish_files()
         document = result.document_of(topology, info, watch.cpu_s)
         if out:
             result.write_result(out, grid, topology, document)
+        refused = exports.write(topology, grid, map_file)
         _print_result(topology, document, as_json=as_json)
+        if refused:
+            raise refused
     if verbose:
         for stage, seconds in watch.cpu_s.items():
             say(f"{seconds:8.3f} s CPU  {stage}")
@@ -91,17 +102,37 @@ def run(
 def config(*, preset: Preset = "default", config: Config = None, set_: Set = None) -> None:
     """Print all settings as TOML."""
     from vdoor.config import to_toml
-    from vdoor.pipeline import SEARCHES
+    from vdoor.pipeline import METHODS
 
-    print(to_toml(chosen_pipeline(preset, config, set_), {"search": SEARCHES}), end="")
+    print(to_toml(chosen_pipeline(preset, config, set_), METHODS), end="")
 
 
-def _info(grid: OccupancyGrid, preset: str, pipeline: Pipeline, seed: int) -> RunInfo:
+def _refuse_outputs(written: Sequence[Path], folder: Path | None, map_file: Path, *, force: bool) -> None:
+    """Raise `VdoorError` where something cannot be written, or would overwrite what it must not."""
+    from vdoor.files import refuse_existing, refuse_folder, refuse_input
+
+    refuse_existing(written, force=force)
+    refuse_input(map_file, written)
+    if folder:
+        refuse_folder(folder)
+
+
+def _refuse_sources(written: Sequence[Path], map_file: Path, grid: OccupancyGrid) -> None:
+    """Raise `VdoorError` where an output would take the place of what the map's file names, such as its image."""
+    from vdoor.files import refuse_input
+
+    names = [name for name, _ in grid.source.files]
+    if str(map_file) != PIPE and names[:1] == [map_file.name]:
+        for name in names:
+            refuse_input(map_file.parent / name, written)
+
+
+def _info(grid: OccupancyGrid, preset: str, pipeline: AnyPipeline, seed: int) -> RunInfo:
     from vdoor.config import settings_of
     from vdoor.emit import RunInfo
-    from vdoor.pipeline import SEARCHES
+    from vdoor.pipeline import METHODS
 
-    settings = settings_of(pipeline, {"search": SEARCHES})
+    settings = settings_of(pipeline, METHODS)
     return RunInfo(version=__version__, preset=preset, seed=seed, settings=settings, source=grid.source)
 
 

@@ -71,6 +71,9 @@ def search_study(
 ) -> None:
     """Compare the search with the proven optimum, by number of virtual doors."""
     from vdoor import study
+    from vdoor.pipeline import Pipeline
 
-    found = study.hit_rates(chosen_pipeline("paper", None, set_), graphs=graphs, seeds=seeds)
+    pipeline = chosen_pipeline("paper", None, set_)
+    assert isinstance(pipeline, Pipeline)
+    found = study.hit_rates(pipeline, graphs=graphs, seeds=seeds)
     print(study.to_json(found) if as_json else study.to_text(found))

@@ -56,20 +56,19 @@ def shot(
 ) -> None:
     """Take a PNG picture of each stage, without a screen."""
     from vdoor.files import make_folder, refuse_existing, write_whole
-    from vdoor.viz.rerun.blueprint import TABS
+    from vdoor.viz.rerun.blueprint import MEANING
     from vdoor.viz.rerun.shot import shots
 
-    by_name = {tab.lower(): tab for tab in TABS}
+    by_name = {tab.lower(): tab for tab in MEANING}
     unknown = [name for name in stage or () if name.lower() not in by_name]
     if unknown:
-        raise SettingError(f"--stage: wanted one of {', '.join(TABS)}, found {unknown[0]!r}")
-    tabs = tuple(by_name[name.lower()] for name in stage) if stage else TABS
-    paths = {tab: out / f"{TABS.index(tab)}_{tab.lower().replace(' ', '_')}.png" for tab in tabs}
-    refuse_existing(paths.values(), force=force)
+        raise SettingError(f"--stage: wanted one of {', '.join(MEANING)}, found {unknown[0]!r}")
+    tabs = tuple(by_name[name.lower()] for name in stage) if stage else None
+    refuse_existing((path for tab in tabs or MEANING for path in out.glob(f"*_{_file_name(tab)}")), force=force)
     with _as_rrd(recording) as drawn:
         for picture in shots(drawn, tabs=tabs, size=_size(size)):
             make_folder(out)
-            print(write_whole(paths[picture.tab], picture.png))
+            print(write_whole(out / f"{picture.number}_{_file_name(picture.tab)}", picture.png))
             for problem in picture.problems:
                 say(f"note: {picture.tab}: {problem}")
 
@@ -120,6 +119,11 @@ def _as_rrd(path: Path) -> Iterator[Path]:
         drawn = Path(folder) / f"{path.name.split('.')[0]}.rrd"
         _draw(path, Outputs(save=drawn))
         yield drawn
+
+
+def _file_name(tab: str) -> str:
+    """How the picture of a tab is called, behind the tab's number."""
+    return f"{tab.lower().replace(' ', '_')}.png"
 
 
 def _size(text: str) -> tuple[int, int]:

@@ -42,12 +42,12 @@ def matched(result: Path, reference: Path) -> Cases:
     A result whose name no reference has takes the longest one that its own begins with and goes on after an
     underscore, so that the reference `lab` serves `lab_furnished`. Raises `VdoorError` where nothing matches.
     """
-    results, references = _results(result), _references(reference)
+    results, references = _results(result), references_in(reference)
     if results == [result] and [*references.values()] == [(reference, None)]:
         return Cases(cases=[Case(name=_names(result)[0], result=result, reference=reference)])
     cases, without = [], []
     for path in results:
-        found = next((known for name in _names(path) if (known := _serving(name, references))), None)
+        found = next((known for name in _names(path) if (known := serving(name, references))), None)
         if found is None:
             without.append(_names(path)[0])
             continue
@@ -61,7 +61,7 @@ def matched(result: Path, reference: Path) -> Cases:
     return Cases(cases=cases, without_reference=without, without_result=unused)
 
 
-def _serving(name: str, references: References) -> str | None:
+def serving(name: str, references: References) -> str | None:
     """The reference for a result of that name."""
     fitting = [known for known in references if name == known or name.startswith(f"{known}_")]
     return max(fitting, key=len, default=None)
@@ -88,7 +88,7 @@ def _names(result: Path) -> list[str]:
         return [own]
 
 
-def _references(path: Path) -> References:
+def references_in(path: Path) -> References:
     """The references in a file or folder."""
     if path.is_dir() and not is_result(path):
         return {bare_name(entry): (entry, None) for entry in _reference_files(path)}

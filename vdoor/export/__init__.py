@@ -21,6 +21,7 @@ from vdoor.export.nav2_route import to_nav2_route
 from vdoor.export.node_link import to_json
 from vdoor.export.raster import SUFFIXES, Raster
 from vdoor.export.reading import Finished, files_of, own_origin_cm, read_finished
+from vdoor.export.report import to_report
 from vdoor.export.rmf import to_rmf
 from vdoor.export.svg import to_svg
 from vdoor.export.virtual_walls import to_virtual_walls
@@ -44,6 +45,7 @@ __all__ = [
     "to_keepout",
     "to_labels",
     "to_nav2_route",
+    "to_report",
     "to_rmf",
     "to_svg",
     "to_virtual_walls",
@@ -71,6 +73,7 @@ WRITERS = (
     Writer("virtual-walls", to_virtual_walls, takes=("rooms", "own_origin_cm")),
     Writer("rmf", to_rmf),
     Writer("svg", to_svg),
+    Writer("report", to_report, takes=("story",)),
 )
 
 
@@ -121,9 +124,14 @@ class Export:
             return []
         return [self.path, self.path.with_suffix(".yaml")] if self.writer.image else [self.path]
 
+    @property
+    def tells(self) -> bool:
+        """Whether it tells how the run came to the map, see `read_finished`."""
+        return "story" in self.writer.takes
+
     def content(self, finished: Finished) -> str | Raster:
         """The text or image; `VdoorError` where this map does not have it."""
-        choices = {"rooms": self.rooms, "own_origin_cm": finished.own_origin_cm}
+        choices = {"rooms": self.rooms, "own_origin_cm": finished.own_origin_cm, "story": finished.story}
         return self.writer.write(finished.topology, **{name: choices[name] for name in self.writer.takes})
 
     def put(self, content: str | Raster) -> list[Path]:

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from vdoor.errors import RecordingError, VdoorError
 from vdoor.evaluate.reading import read_labels, read_table
 from vdoor.export.geometry import area_m2
+from vdoor.export.report.story import Story
 from vdoor.formats import read_annotations
 from vdoor.formats.reading import checked_resolution_m, shown
 from vdoor.formats.result import NAMES, SCHEMA
@@ -38,15 +39,17 @@ class Finished:
     topology: TopologicalMap
     own_origin_cm: tuple[float, float] | None = None
     """Where the map frame's origin lies in the robot's own frame, None where the map says nothing of one."""
+    story: Story | None = None
+    """How the run came to it, where that was asked for."""
 
 
-def read_finished(path: str | Path) -> Finished:
-    """The map of a finished run: what an .mcap ends with, or a folder of `vdoor run --out`.
+def read_finished(path: str | Path, *, story: bool = False) -> Finished:
+    """The map of a finished run: what an .mcap ends with, or a folder of `vdoor run --out`; how it came to it on wish.
 
     Raises `VdoorError` where there is none, it is damaged, or its files do not belong together.
     """
     path = Path(path)
-    return read_result(path) if path.is_dir() else read_last(path)
+    return read_result(path, story=story) if path.is_dir() else read_last(path, story=story)
 
 
 def own_origin_cm(source: Source) -> tuple[float, float] | None:
@@ -60,18 +63,21 @@ def files_of(path: Path) -> list[Path]:
     return [path / name for name in NAMES] if path.is_dir() else [path]
 
 
-def read_last(path: Path) -> Finished:
+def read_last(path: Path, *, story: bool = False) -> Finished:
     """The map that a recording ends with."""
     topic = "nothing"
     recording = read_recording(path, types=RECORDS)
-    for _, record in recording:
+    told = Story.of(recording.info) if story else None
+    for step, record in recording:
         topic = record.topic
         if isinstance(record, TopologicalMap):
-            return Finished(record, own_origin_cm(recording.info.source))
+            return Finished(record, own_origin_cm(recording.info.source), told)
+        if told:
+            told.write(step, record)
     raise RecordingError(f"recording: wanted a run that is finished, found one that ends with {topic}: {path}")
 
 
-def read_result(folder: Path) -> Finished:
+def read_result(folder: Path, *, story: bool = False) -> Finished:
     """The map of a result folder: rooms from rooms.png, doors and corner features from map.json.
 
     Areas, middles and polygons are taken from the label image by the same rules as when it was written. What a
@@ -93,7 +99,8 @@ def read_result(folder: Path) -> Finished:
         topology = _assembled(labels, _frame(document, labels.shape), doors, features)
         _refuse_parts(topology)
         annotations = document.get("annotations")
-        return Finished(topology, _point(annotations["own_origin_cm"]) if annotations else None)
+        origin_cm = _point(annotations["own_origin_cm"]) if annotations else None
+        return Finished(topology, origin_cm, Story.of_result(folder, document, topology.frame) if story else None)
 
 
 def _assembled(labels: Ints, frame: Frame, doors: Sequence[Door], features: Sequence[Feature]) -> TopologicalMap:

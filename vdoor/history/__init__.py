@@ -11,19 +11,21 @@ from typing import Protocol, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from vdoor.config import with_settings
+from vdoor.baselines import ErodedSpace, GrownRooms, Narrows, Skeleton, VoronoiDoorsPipeline
 from vdoor.emit import RunInfo
 from vdoor.errors import RecordingError
 from vdoor.grid import OccupancyGrid
 from vdoor.history.course import Course
-from vdoor.pipeline import RECORDS, SEARCHES, Pipeline
+from vdoor.pipeline import RECORDS, AnyPipeline, Pipeline, recorded
 from vdoor.record import Record
+from vdoor.stages.certify import Certificate
 from vdoor.stages.corners import Candidates, Corners
-from vdoor.stages.cost import MergeProblem
+from vdoor.stages.cost import DoorEnergy, MapCost, MergeProblem
 from vdoor.stages.curvature import Curvature
 from vdoor.stages.doors import VirtualDoors
 from vdoor.stages.merge import merged
 from vdoor.stages.rooms import InitialMap
+from vdoor.stages.score import DoorScores
 from vdoor.stages.search import Generation
 from vdoor.stages.simplify import SimplifiedGrid
 from vdoor.stages.trace import BoundaryPath
@@ -43,6 +45,9 @@ REFERENCES = (
     ("doors.corner_start", "corners.sample", 0),
     ("doors.corner_end", "corners.sample", -1),
     ("doors.line_door", "doors.start", 0),
+    ("door_scores.door", "doors.start", 0),
+    ("door_scores.rival_a", "door_scores.door", 0),
+    ("door_scores.rival_b", "door_scores.door", 0),
     ("initial_map.door", "doors.start", 0),
     ("initial_map.idle_door", "doors.start", 0),
     ("initial_map.border_edge", "initial_map.door", 0),
@@ -80,7 +85,7 @@ class History:
 
     file: Path
     info: RunInfo
-    pipeline: Pipeline
+    method: AnyPipeline
     """The method with the settings of this run."""
     records: dict[str, Record] = field(default_factory=dict)
     """Every stage's record by its topic, but for the search."""
@@ -93,7 +98,7 @@ class History:
     @classmethod
     def read(cls, recording: Recorded) -> History:
         """All of a recording that is whole; `RecordingError` where nothing is, or its records do not fit together."""
-        pipeline = with_settings(Pipeline(), recording.info.settings, {"search": SEARCHES}, place="recorded settings")
+        pipeline = recorded(recording.info)
         history = cls(recording.path, recording.info, pipeline)
         damage = ""
         try:
@@ -107,6 +112,18 @@ class History:
             damage = f"recording: ends before the final map: {recording.path}"
         history.check()
         return replace(history, damage=damage)
+
+    @property
+    def pipeline(self) -> Pipeline:
+        """The method with its settings; `RecordingError` for a run of a baseline."""
+        if not isinstance(self.method, Pipeline):
+            raise RecordingError(f"run: wanted one of the method itself, found preset {self.info.preset}: {self.file}")
+        return self.method
+
+    @property
+    def cost(self) -> MapCost | DoorEnergy:
+        """What a choice of doors costs; `RecordingError` for a run without such a choice."""
+        return self.method.cost if isinstance(self.method, VoronoiDoorsPipeline) else self.pipeline.cost
 
     def add(self, step: int, record: Record) -> None:
         """Take one more record; `RecordingError` for a second one of a stage that has but one."""
@@ -129,7 +146,11 @@ class History:
                 good = not len(values) or bool(values.min() >= lowest and values.max() < len(rows))
             if not good:
                 raise RecordingError(f"{column}: wanted rows of {target} ({len(rows)}), found others: {self.file}")
-        frames = {getattr(self.records[topic], "frame", None) for topic in STAGES[1:8] if topic in self.records}
+        scored, edges = self._column("door_scores.door"), self._column("initial_map.door")
+        if scored is not None and edges is not None and not np.isin(edges, scored).all():
+            raise RecordingError(f"initial_map.door: wanted doors that have scores, found others: {self.file}")
+        working = [self.records[topic] for topic in STAGES[1:-1] if topic in self.records]
+        frames = {record.frame for record in working if hasattr(record, "frame")}
         if len(frames) > 1:
             raise RecordingError(f"frame: wanted one in all stages before the search, found {len(frames)}: {self.file}")
 
@@ -206,9 +227,39 @@ class History:
         return self.get(VirtualDoors)
 
     @property
+    def scores(self) -> DoorScores:
+        """What speaks for and against each door, where that was asked."""
+        return self.get(DoorScores)
+
+    @property
     def initial(self) -> InitialMap:
         """The map before the search."""
         return self.get(InitialMap)
+
+    @property
+    def skeleton(self) -> Skeleton:
+        """Of the baseline `voronoi-doors`, as the next."""
+        return self.get(Skeleton)
+
+    @property
+    def narrows(self) -> Narrows:
+        """Narrow places of the skeleton."""
+        return self.get(Narrows)
+
+    @property
+    def eroded(self) -> ErodedSpace:
+        """Of the baseline `eroded-space`, as the next."""
+        return self.get(ErodedSpace)
+
+    @property
+    def grown(self) -> GrownRooms:
+        """Rooms that the cores grew to."""
+        return self.get(GrownRooms)
+
+    @property
+    def certificate(self) -> Certificate:
+        """What was proven of the search's choice, where that was asked."""
+        return self.get(Certificate)
 
     @property
     def topology(self) -> TopologicalMap:
@@ -218,7 +269,7 @@ class History:
     @cached_property
     def problem(self) -> MergeProblem:
         """What the search worked on."""
-        return MergeProblem(self.initial, self.pipeline.cost)
+        return MergeProblem(self.initial, self.cost, self.scores if self.has(DoorScores) else None)
 
     @cached_property
     def edge_of_door(self) -> dict[int, int]:
@@ -228,5 +279,5 @@ class History:
     @cached_property
     def separating(self) -> frozenset[int]:
         """Edges that part two rooms of the working grid in the end."""
-        _, rows = merged(self.initial, self.problem, self.search[-1].removed)
+        _, rows = merged(self.problem, self.search[-1].removed)
         return frozenset(edge for edge, _, _ in rows)

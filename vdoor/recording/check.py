@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -37,7 +37,11 @@ class Health:
         return not self.damage and not self.missing
 
 
-def check(path: Path, *, types: Sequence[type[Record]]) -> Health:
+Emits = Callable[[RunInfo], Sequence[type[Record]]]
+"""Which records a run emits."""
+
+
+def check(path: Path, *, types: Sequence[type[Record]], emits: Emits | None = None) -> Health:
     """Health of a recording of a run that emits records of `types`, in this order; damage is found, never raised.
 
     Raises `RecordingError` where there is no such file or it cannot be opened.
@@ -67,9 +71,17 @@ def check(path: Path, *, types: Sequence[type[Record]]) -> Health:
         info=info,
         records=dict(Counter(topic for _, topic in steps)),
         damage=tuple(dict.fromkeys(text.removesuffix(f": {path}") for text in damage)),
-        missing=tuple(lost(steps, order)) if info else (),
+        missing=tuple(lost(steps, wanted(info, steps, types=types, emits=emits))) if info else (),
         ended_in=steps[-1][1] if steps else "",
     )
+
+
+def wanted(
+    info: RunInfo, steps: Sequence[tuple[int, str]], *, types: Sequence[type[Record]], emits: Emits | None
+) -> list[str]:
+    """Topics that a run emits, and those it has beside, in the order of `types`."""
+    there = {topic for _, topic in steps} | {record.topic for record in (emits(info) if emits else types)}
+    return [record.topic for record in types if record.topic in there]
 
 
 def lost(steps: Sequence[tuple[int, str]], order: Sequence[str]) -> Iterator[str]:

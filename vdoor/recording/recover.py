@@ -12,7 +12,7 @@ from vdoor.errors import RecordingError
 from vdoor.files import partial_name
 from vdoor.record import Record
 from vdoor.recording import about, codec
-from vdoor.recording.check import lost
+from vdoor.recording.check import Emits, lost, wanted
 from vdoor.recording.mcap import METADATA, McapSink, Topics, decoded, find, naming, step_of
 from vdoor.recording.salvage import salvage
 
@@ -29,7 +29,7 @@ class Recovery:
     """Stages without a record, and gaps between records."""
 
 
-def recover(path: Path, out: Path, *, types: Sequence[type[Record]]) -> Recovery:
+def recover(path: Path, out: Path, *, types: Sequence[type[Record]], emits: Emits | None = None) -> Recovery:
     """Write what is whole in the recording at `path`, with records of `types`, as a new recording `out`.
 
     Raises `RecordingError` where the one cannot be read or is of another schema, or the other cannot be written; then
@@ -53,7 +53,7 @@ def recover(path: Path, out: Path, *, types: Sequence[type[Record]]) -> Recovery
     except BaseException:
         partial.unlink(missing_ok=True)
         raise
-    missing = lost(steps, [record.topic for record in types])
+    missing = lost(steps, wanted(info, steps, types=types, emits=emits))
     return Recovery(
         records=dict(Counter(topic for _, topic in steps)),
         damage=(*damage, *contents.damage()),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Annotated, Any, NamedTuple
 
 import numpy as np
@@ -15,6 +15,7 @@ from scipy.sparse.csgraph import connected_components
 from vdoor.config import Within
 from vdoor.stages.pieces import components
 from vdoor.stages.rooms import InitialMap
+from vdoor.stages.score import DoorScores
 
 Bits = NDArray[np.bool_]
 Floats = NDArray[np.float64]
@@ -22,6 +23,7 @@ Number = Any  # a number, or an array (p,) of them
 
 # Tilts are summed as whole numbers of this many square degrees, so that sums do not depend on their order.
 TILT_UNIT_DEG2 = 1e-9
+LOG_ODDS_UNIT = 1e-9
 MOST_AT_ONCE = 10_000_000  # nodes, links and covers of all choices that are evaluated together
 
 
@@ -51,6 +53,40 @@ class MapCost:
         return Costs(cost, totals.small, area_sd_m2, tilt_sd_deg)
 
 
+@dataclass(frozen=True, kw_only=True)
+class DoorEnergy:
+    """Weights of the energy over doors that have scores: what the kept ones say, against what their rooms lack."""
+
+    room_m2: Annotated[float, Within(0, 1e6)] = 2.0
+    """Room threshold T."""
+    lack_weight: Annotated[float, Within(0, 1e6)] = 1.5
+    """Log-odds that a room of no area would cost; one of half the threshold costs half as much."""
+    lack_weight_rough: Annotated[float, Within(0, 1e6)] = 4.0
+    """The same on ragged maps, where furniture makes rooms that are none."""
+    bias: Annotated[float, Within(-100, 100)] = 0.5
+    """Added to the log-odds of each door: above 0 more doors are kept."""
+    bias_rough: Annotated[float, Within(-100, 100)] = 1.0
+    """The same on ragged maps."""
+    clash_weight: Annotated[float, Within(0, 1e6)] = 100.0
+    """Per pair of rivals of which both are kept."""
+
+    def on_map(self, share_rough: float) -> DoorEnergy:
+        """The energy with the weights of a map that is so ragged."""
+        lack = self.lack_weight * (1 - share_rough) + self.lack_weight_rough * share_rough
+        bias = self.bias * (1 - share_rough) + self.bias_rough * share_rough
+        return replace(self, lack_weight=lack, lack_weight_rough=lack, bias=bias, bias_rough=bias)
+
+    def __call__(self, totals: Totals, sqrt: Callable[[Any], Any]) -> Costs:
+        """Energy, and eq. 7's terms for comparison, from sums over rooms and doors."""
+        terms = MapCost(room_m2=self.room_m2)(totals, sqrt)
+        energy = (
+            self.lack_weight * totals.lacking_m2 / max(self.room_m2, 1e-9)
+            + self.clash_weight * totals.clashes
+            - (totals.log_odds + self.bias * totals.doors)
+        )
+        return terms._replace(cost=energy)
+
+
 class Totals(NamedTuple):
     """Sums over the rooms and the kept doors of one choice, or arrays (p,) for p choices."""
 
@@ -60,6 +96,12 @@ class Totals(NamedTuple):
     area_squared_m4: Number
     doors: Number
     tilt_squared_deg2: Number
+    lacking_m2: Number
+    """What rooms lack of the room threshold, summed over the smaller ones."""
+    log_odds: Number
+    """Summed over the kept doors; 0 where doors have no scores."""
+    clashes: Number
+    """Pairs of rivals of which both doors are kept."""
 
 
 class Costs(NamedTuple):
@@ -78,9 +120,11 @@ class MergeProblem:
     are over whole numbers, so that equal choices cost the same to the last bit on every machine.
     """
 
-    def __init__(self, initial: InitialMap, cost: MapCost) -> None:
+    def __init__(self, initial: InitialMap, cost: MapCost | DoorEnergy, scores: DoorScores | None = None) -> None:
         self.edges = len(initial.door)
         self.regions = len(initial.area_m2)
+        if isinstance(cost, DoorEnergy) and scores is not None:
+            cost = cost.on_map(scores.share_rough)
         self.cost = cost
         self.cell_m2 = initial.frame.resolution_m**2
         bundle, self.cover_start, self.cover_edge = bundles(initial)
@@ -91,8 +135,17 @@ class MergeProblem:
         self.cells = np.bincount(node, weights=np.rint(area / self.cell_m2), minlength=count)
         self.links = sorted_links(node[initial.touch_a], node[initial.touch_b], count)
         self.tilt = np.rint(np.degrees(initial.tilt_rad) ** 2 / TILT_UNIT_DEG2).astype(np.int64)
+        self.log_odds, self.rivals = odds_and_rivals(initial, scores)
+        worst = (np.arange(self.edges), initial.length_m, initial.tilt_rad)
+        bias = cost.bias if isinstance(cost, DoorEnergy) else 0.0
+        self.gain = self.log_odds * LOG_ODDS_UNIT + bias
+        """What keeping each door (edges,) saves, room terms aside; of use with scores only."""
+        self.worst_first = np.lexsort(worst)[::-1] if scores is None else np.argsort(self.log_odds, kind="stable")
+        """In which order doors go that separate nothing."""
         self.is_region = np.arange(count) < self.regions
         self.small_cells = cost.room_m2 / self.cell_m2
+        self.threshold_cells = round(self.small_cells)
+        """The same in whole cells, so that what rooms lack is summed exactly."""
         self.at_once = max(1, MOST_AT_ONCE // (count + len(self.links[0]) + len(self.cover_edge) + 1))
 
     def open_nodes(self, removed: Bits) -> Bits:
@@ -147,6 +200,9 @@ class MergeProblem:
                 area_squared_m4=total(cells**2) * self.cell_m2**2,
                 doors=kept.sum(axis=1),
                 tilt_squared_deg2=(kept * self.tilt).sum(axis=1) * TILT_UNIT_DEG2,
+                lacking_m2=total(np.maximum(self.threshold_cells - cells, 0)) * self.cell_m2,
+                log_odds=(kept * self.log_odds).sum(axis=1) * LOG_ODDS_UNIT,
+                clashes=(kept[:, self.rivals[0]] & kept[:, self.rivals[1]]).sum(axis=1),
             ),
             sqrt=np.sqrt,
         )
@@ -173,6 +229,18 @@ def bundles(initial: InitialMap) -> tuple[NDArray[np.intp], NDArray[np.intp], ND
     sizes = np.array([len(edges) for edges in lists], np.intp)
     flat = np.concatenate(lists) if lists else np.zeros(0, np.int32)
     return bundle, np.cumsum(sizes) - sizes, flat
+
+
+def odds_and_rivals(initial: InitialMap, scores: DoorScores | None) -> tuple[NDArray[np.int64], NDArray[np.intp]]:
+    """Log-odds (edges,) of the edges in units of `LOG_ODDS_UNIT`, and pairs of rivals (2, k) among them."""
+    edges = len(initial.door)
+    if scores is None:
+        return np.zeros(edges, np.int64), np.zeros((2, 0), np.intp)
+    row = np.searchsorted(scores.door, initial.door)
+    edge = np.full(len(scores.door), -1, np.intp)
+    edge[row] = np.arange(edges)
+    pairs = edge[np.stack([scores.rival_a, scores.rival_b])]
+    return np.rint(scores.log_odds[row] / LOG_ODDS_UNIT).astype(np.int64), pairs[:, (pairs >= 0).all(axis=0)]
 
 
 def sorted_links(a: NDArray[np.intp], b: NDArray[np.intp], count: int) -> tuple[NDArray[np.intp], NDArray[np.intp]]:

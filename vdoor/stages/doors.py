@@ -23,7 +23,7 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int32]
 Mask = NDArray[np.bool_]
 
-KINDS = ("pair", "single", "passage")
+KINDS = ("pair", "single", "passage", "extension")
 VERDICTS = ("proposed", "blocked", "same wall", "no gap", "duplicate")
 PROPOSED = VERDICTS.index("proposed")
 
@@ -93,7 +93,7 @@ class ProposeDoors:
             frame=path.frame,
         )
 
-    def _pairs(self, free: Mask, path: BoundaryPath, corners: Corners, convex: Ints) -> _Found:
+    def _pairs(self, free: Mask, path: BoundaryPath, corners: Corners, convex: Ints) -> Found:
         """All pairs of convex corners within reach, each with its verdict."""
         place = corners.cell[convex]
         near = cKDTree(place).query_pairs(self._reach(path), output_type="ndarray") if len(place) else np.zeros((0, 2))
@@ -106,9 +106,9 @@ class ProposeDoors:
         same = same_wall(path, corners.sample[both[:, 0]], corners.sample[both[:, 1]], self.pair_detour)
         verdict[same] = VERDICTS.index("same wall")
         verdict[np.abs(end - start).max(axis=1, initial=0) <= 1] = VERDICTS.index("no gap")
-        return _Found(start, end, np.zeros(len(both), np.uint8), verdict, both)
+        return Found(start, end, np.zeros(len(both), np.uint8), verdict, both)
 
-    def _singles(self, free: Mask, path: BoundaryPath, corners: Corners, alone: Ints) -> _Found:
+    def _singles(self, free: Mask, path: BoundaryPath, corners: Corners, alone: Ints) -> Found:
         """For each corner its closest visible boundary, all of them at a tie; if none is visible, the closest hidden.
 
         The boundary next to the corner is its own wall and does not count.
@@ -123,7 +123,7 @@ class ProposeDoors:
         chosen = np.where(clear, squared == nearest[1, corner], ~has_clear & (squared == nearest[0, corner]))
         verdict = np.where(clear, PROPOSED, VERDICTS.index("blocked")).astype(np.uint8)[chosen]
         both = np.stack([corner, np.full_like(corner, -1)], axis=1)[chosen]
-        return _Found(start[chosen], end[chosen], np.full(len(verdict), KINDS.index("single"), np.uint8), verdict, both)
+        return Found(start[chosen], end[chosen], np.full(len(verdict), KINDS.index("single"), np.uint8), verdict, both)
 
     def _boundaries(self, path: BoundaryPath, corners: Corners, alone: Ints) -> tuple[Ints, Ints, NDArray[np.int64]]:
         """Corners `alone` with every boundary cell in reach that is not their own wall, and squared distance in cells.
@@ -159,7 +159,7 @@ def same_wall(path: BoundaryPath, one: Ints, other: Ints, detour: float) -> Mask
     return np.asarray(common & (gaps_m(path, one, other) <= detour * length_m + EPSILON))
 
 
-class _Found(NamedTuple):
+class Found(NamedTuple):
     """Segments found, before they are measured."""
 
     start: Ints
@@ -168,13 +168,13 @@ class _Found(NamedTuple):
     verdict: NDArray[np.uint8]
     corners: Ints
 
-    def followed_by(self, other: _Found) -> _Found:
+    def followed_by(self, other: Found) -> Found:
         """Both lists, one after the other."""
         columns: Iterator[tuple[Any, Any]] = zip(self, other, strict=True)
-        return _Found(*map(np.concatenate, columns))
+        return Found(*map(np.concatenate, columns))
 
 
-def without_duplicates(found: _Found) -> NDArray[np.uint8]:
+def without_duplicates(found: Found) -> NDArray[np.uint8]:
     """The verdicts (k,), all but the first of proposed segments with equal end points turned to duplicates."""
     proposed = np.flatnonzero(found.verdict == PROPOSED)
     start, end = found.start[proposed], found.end[proposed]

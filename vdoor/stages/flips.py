@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vdoor.stages.cost import TILT_UNIT_DEG2, MergeProblem, Totals
+from vdoor.stages.cost import LOG_ODDS_UNIT, TILT_UNIT_DEG2, MergeProblem, Totals
 
 if TYPE_CHECKING:
     from vdoor.stages.search import Generation
@@ -31,8 +31,14 @@ class FlipState:
         self.tilt = problem.tilt.tolist()
         self.room_of = [-1] * len(self.cells)
         self.members: dict[int, list[int]] = {}
-        self.sums = [0.0, 0.0, 0.0, 0.0]  # rooms, small rooms, cells, squared cells
-        self.doors = [problem.edges, sum(self.tilt)]  # kept doors, their squared tilts
+        self.log_odds = problem.log_odds.tolist()
+        self.rivals: list[list[int]] = [[] for _ in range(problem.edges)]
+        for a, b in problem.rivals.T.tolist():
+            self.rivals[a].append(b)
+            self.rivals[b].append(a)
+        self.sums = [0.0, 0.0, 0.0, 0.0, 0.0]  # rooms, small rooms, cells, squared cells, cells lacking
+        # kept doors, their squared tilts, log-odds and clashes
+        self.doors = [problem.edges, sum(self.tilt), sum(self.log_odds), problem.rivals.shape[1]]
         self._next_room = 0
         self._add_rooms([node for node in range(len(self.cells)) if not self.kept_doors[node]])
         for edge in removed:
@@ -42,11 +48,17 @@ class FlipState:
 
     def try_flip(self, edge: int, allowance: float) -> bool:
         """Flip one door unless that costs more than `allowance`; returns whether it was flipped."""
+        return self.try_flips([edge], allowance)
+
+    def try_flips(self, edges: list[int], allowance: float = 0.0) -> bool:
+        """Flip several doors at once unless that costs more than `allowance`; returns whether they were flipped."""
         before = self.cost
-        self._flip(edge)
+        for edge in edges:
+            self._flip(edge)
         self.cost = self._cost()
         if self.cost > before + allowance:
-            self._flip(edge)
+            for edge in edges:
+                self._flip(edge)
             self.cost = before
             return False
         if self.cost < self.best_cost:
@@ -82,6 +94,8 @@ class FlipState:
         change = 1 if keeps else -1
         self.doors[0] += change
         self.doors[1] += change * self.tilt[edge]
+        self.doors[2] += change * self.log_odds[edge]
+        self.doors[3] += change * sum(not self.removed[rival] for rival in self.rivals[edge])
         switched = []
         for node in self.nodes_of_edge[edge]:
             self.kept_doors[node] += change
@@ -131,12 +145,21 @@ class FlipState:
         self.sums[1] += sign * (cells < self.problem.small_cells)
         self.sums[2] += sign * cells
         self.sums[3] += sign * cells**2
+        self.sums[4] += sign * max(self.problem.threshold_cells - cells, 0)
 
     def _cost(self) -> float:
-        rooms, small, cells, squared = self.sums
+        rooms, small, cells, squared, lacking = self.sums
         cell_m2 = self.problem.cell_m2
         totals = Totals(
-            rooms, small, cells * cell_m2, squared * cell_m2**2, self.doors[0], self.doors[1] * TILT_UNIT_DEG2
+            rooms,
+            small,
+            cells * cell_m2,
+            squared * cell_m2**2,
+            self.doors[0],
+            self.doors[1] * TILT_UNIT_DEG2,
+            lacking * cell_m2,
+            self.doors[2] * LOG_ODDS_UNIT,
+            self.doors[3],
         )
         return float(self.problem.cost(totals, sqrt=math.sqrt).cost)
 

@@ -36,7 +36,7 @@ class MergeRooms:
         problem: MergeProblem,
     ) -> TopologicalMap:
         """Rooms and doors; kept doors that separate nothing are dropped."""
-        room_of_piece, rows = merged(initial, problem, best.removed)
+        room_of_piece, rows = merged(problem, best.removed)
         working = np.append(0, room_of_piece)[initial.piece]
         labels = flooded(whole(at_input(working, simplified.factor, grid.free)), grid.free)
         labels, number = numbered(labels, int(room_of_piece.max()))
@@ -66,15 +66,14 @@ class MergeRooms:
         )
 
 
-def merged(initial: InitialMap, problem: MergeProblem, removed: Bits) -> tuple[Ints, list[tuple[int, int, int]]]:
+def merged(problem: MergeProblem, removed: Bits) -> tuple[Ints, list[tuple[int, int, int]]]:
     """Room (pieces,) of every piece, 1 and up, 0 on closed doors; and rows of edge and two rooms, the lower first.
 
     A kept door that joins no two rooms when it is opened separates nothing and is dropped: of two doors with nothing
-    between them the more tilted goes, then the longer one.
+    between them the less likely goes where doors have scores, else the more tilted, then the longer one.
     """
     state = FlipState(problem, np.flatnonzero(removed).tolist())
-    worst_first = np.lexsort((np.arange(problem.edges), initial.length_m, initial.tilt_rad))[::-1]
-    for edge in worst_first.tolist():
+    for edge in problem.worst_first.tolist():
         if not state.removed[edge]:
             state.open_if_idle(edge)
     # Asked again, since a dropped door may have been all that kept another from joining a third room.

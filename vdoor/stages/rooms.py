@@ -15,6 +15,7 @@ from vdoor.stages.corners import Corners
 from vdoor.stages.doors import KINDS, PROPOSED, VirtualDoors
 from vdoor.stages.pieces import Pieces, borders, cut
 from vdoor.stages.polygons import centres, polygons
+from vdoor.stages.score import LIKELY, DoorScores
 from vdoor.stages.simplify import SimplifiedGrid
 from vdoor.stages.trace import BoundaryPath
 
@@ -77,11 +78,18 @@ class DivideRooms:
     """A corner belongs to the regions the walker stands in up to so many samples before and after it."""
 
     def __call__(
-        self, simplified: SimplifiedGrid, path: BoundaryPath, corners: Corners, doors: VirtualDoors
+        self,
+        simplified: SimplifiedGrid,
+        path: BoundaryPath,
+        corners: Corners,
+        doors: VirtualDoors,
+        scores: DoorScores | None = None,
     ) -> InitialMap:
-        """Regions are 4-connected; doors that border fewer than two regions are left out."""
+        """Regions are 4-connected; doors that border fewer than two regions, or are not likely, are left out."""
         free = simplified.cells == FREE
         proposed = np.flatnonzero(doors.verdict == PROPOSED).astype(np.int32)
+        if scores is not None:
+            proposed = scores.door[scores.judgement == LIKELY]
         idle = self._idle(cut(free, doors, proposed), len(proposed))
         edges = proposed[~idle]
         pieces = cut(free, doors, edges)

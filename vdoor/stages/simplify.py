@@ -20,7 +20,11 @@ from vdoor.stages.runs import runs_of
 Mask = NDArray[np.bool_]
 
 ROBOT_REACH_M = 0.5
-REASONS = ("as it was", "unreachable", "jut", "notch", "island")
+THIN_LONG_M = 1.0
+PART_WIDTH_M = 1.2
+SURE_SHARE = 0.7
+AROUND = ((0, 0), (0, 1), (0, 2), (1, 0), (1, 2), (2, 0), (2, 1), (2, 2))
+REASONS = ("as it was", "unreachable", "jut", "notch", "island", "thin unknown")
 
 
 class SimplifiedGrid(Record):
@@ -50,6 +54,11 @@ class SimplifyGrid:
     """Flattening is repeated at most so often."""
     max_island_m: Annotated[float, Within(0, 100)] = 0.0
     """Obstacles standing free whose bounding box is at most this long are removed; 0 keeps all (paper)."""
+    thin_unknown_m: Annotated[float, Within(0, 1)] = 0.0
+    """Unknown lines up to this thick with free space around them become free; 0 keeps them (paper)."""
+    least_part_m2: Annotated[float, Within(0, 1e6)] = 0.0
+    """Free parts of at least this area are kept beside the largest, unless the robot's place is given; 0 = only one
+    (paper)."""
 
     def __post_init__(self) -> None:
         """Refuse a place that is not x and y."""
@@ -63,8 +72,15 @@ class SimplifyGrid:
         before = resampled(grid, factor)
         reason = np.zeros(before.shape, np.uint8)
 
-        free = self._reachable(before == FREE, frame)
-        reason[(before == FREE) & ~free] = REASONS.index("unreachable")
+        known_free = before == FREE
+        if self.thin_unknown_m > 0:
+            thin = thin_unknown(
+                before, *(max(1, round(size / frame.resolution_m)) for size in (self.thin_unknown_m, THIN_LONG_M))
+            )
+            known_free |= thin
+            reason[thin] = REASONS.index("thin unknown")
+        free = self._reachable(known_free, frame)
+        reason[known_free & ~free] = REASONS.index("unreachable")
         if self.max_island_m > 0:
             islands = small_islands(free, max(1, round(self.max_island_m / frame.resolution_m)))
             free |= islands
@@ -89,7 +105,13 @@ class SimplifyGrid:
                 f"the map has no free cell at {frame.resolution_m:g} m a cell, so there is nothing to divide into rooms"
             )
         if not self.robot_m:
-            return np.asarray(labels == 1 + np.argmax(runs_of(labels).cells(count)))
+            cells = runs_of(labels).cells(count)
+            kept = np.zeros(count + 1, np.bool_)
+            if self.least_part_m2 > 0:
+                kept[1:] = cells * frame.resolution_m**2 >= self.least_part_m2
+                kept &= wide_enough(labels, kept, PART_WIDTH_M / frame.resolution_m)
+            kept[1 + np.argmax(cells)] = True
+            return np.asarray(kept[labels])
         place = frame.cell_from_world(np.array([self.robot_m]))[0]
         cells = np.argwhere(free)
         nearest = cells[np.argmin(((cells - place) ** 2).sum(axis=1))]
@@ -126,6 +148,37 @@ def any_in_block(mask: Mask, factor: int) -> Mask:
     padded = np.pad(mask, ((0, -height % factor), (0, -width % factor)))
     blocks = padded.reshape(padded.shape[0] // factor, factor, padded.shape[1] // factor, factor)
     return np.asarray(blocks.any(axis=(1, 3)))
+
+
+def wide_enough(labels: NDArray[np.int32], asked: Mask, width: float) -> Mask:
+    """Which labels (count + 1,) have room for a square of `width` cells; hollow furniture has not. Others: False."""
+    side = max(1, round(width))
+    inner = ndimage.binary_erosion(np.pad(asked[labels], 1), np.ones((side, side), np.bool_))[1:-1, 1:-1]
+    found = np.zeros(len(asked), np.bool_)
+    found[np.unique(labels[inner])] = True
+    return found
+
+
+def thin_unknown(cells: NDArray[np.int8], thick: int, longest: int) -> Mask:
+    """Unknown cells in lines at most `thick` and `longest` cells large, whose neighbours are nearly all free.
+
+    Longer ones are walls that were drawn or seen in part.
+    """
+    unknown = cells == UNKNOWN
+    box = np.ones((thick + 1, thick + 1), np.bool_)
+    thin = unknown & ~ndimage.binary_dilation(ndimage.binary_erosion(unknown, box, border_value=1), box)
+    row, col = np.nonzero(thin)
+    around = np.pad(cells, 1, constant_values=UNKNOWN)
+    near = np.stack([around[row + down, col + right] for down, right in AROUND])
+    free = (near == FREE).sum(axis=0)
+    mended = np.zeros(cells.shape, np.bool_)
+    enough = free >= SURE_SHARE * near.shape[0]
+    mended[row[enough], col[enough]] = True
+    labels = label_cells(mended, connectivity=2)
+    short = np.zeros(labels.max() + 1, np.bool_)
+    for label, place in enumerate(ndimage.find_objects(labels), start=1):
+        short[label] = max(side.stop - side.start for side in place) <= longest
+    return np.asarray(short[labels])
 
 
 def small_islands(free: Mask, size: int) -> Mask:

@@ -53,7 +53,8 @@ def _beside_doors(opened: Sequence[Opened], settings: Home, rng: np.random.Gener
 
 def _furniture(layout: Layout, settings: Home, rng: np.random.Generator) -> list[tuple[Rect, Shape]]:
     """Return shafts, and what stands in all rooms unless furniture is off, each with its floor."""
-    wide, close = ([gap.clear(away, 0.05) for gap in layout.gaps] for away in (0.6, 0.25))
+    clear_m = (settings.wall_piece_clear_m, settings.clutter_clear_m)
+    wide, close = ([gap.clear(away_m, 0.05) for gap in layout.gaps] for away_m in clear_m)
     floors = [floor for floor in layout.floors if min(floor.sides) > things.PASSAGE_M]
     found: list[tuple[Rect, Shape]] = []
     for k in rng.integers(len(floors), size=rng.poisson(settings.shafts)).tolist():

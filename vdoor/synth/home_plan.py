@@ -14,7 +14,7 @@ from vdoor.synth.plan import Axis, Rect
 
 MARGIN_M = 0.5
 CORRIDOR_FROM_M2 = 45.0
-CORNER_M = (0.05, 0.3)
+CORNER_M, FLUSH_M = (0.05, 0.3), (0.0, 0.05)
 OPENING_M = (1.2, 3.0)
 OPENING_JAMB_M = 0.1
 FORCED = -1.0
@@ -220,7 +220,8 @@ def _gap(link: Link, open_chance: float, settings: Home, rng: np.random.Generato
         unsure = width >= settings.unsure_from_m
         return link.wall.in_wall(fine(link.wall.rect.low[link.wall.along] + low), width, leaf=False, unsure=unsure)
     width = rng.uniform(settings.door_min_m, settings.door_max_m)
-    return placed_door(link.wall, width, rng, jamb_m=CORNER_M, corner=settings.door_corner_chance)
+    jamb_m = FLUSH_M if rng.random() < settings.flush_chance else CORNER_M
+    return placed_door(link.wall, width, rng, jamb_m=jamb_m, corner=settings.door_corner_chance)
 
 
 def _left_out(

@@ -17,25 +17,27 @@ class Home:
     Raises `SettingError` for values that no home can have.
     """
 
-    area_min_m2: float = 28.0
+    area_min_m2: float = 16.0
     """Between the outer walls; drawn evenly on a logarithmic scale."""
-    area_max_m2: float = 170.0
+    area_max_m2: float = 110.0
     aspect_max: float = 2.2
     """The longer side over the shorter one is drawn from 1 to this."""
-    room_min_m2: float = 9.0
+    room_min_m2: float = 6.0
     """Rooms are divided until they are below a size drawn from here to `room_max_m2`, times 0.5 to 1 each."""
-    room_max_m2: float = 30.0
+    room_max_m2: float = 20.0
     room_side_min_m: float = 1.3
     corridor_chance: float = 0.6
     """Chance of a corridor, in homes of over 45 m2."""
-    corridor_min_m: float = 0.95
-    corridor_max_m: float = 1.7
+    corridor_min_m: float = 0.85
+    corridor_max_m: float = 1.5
     wall_min_m: float = 0.075
     wall_max_m: float = 0.25
-    door_min_m: float = 0.7
-    door_max_m: float = 1.1
+    door_min_m: float = 0.55
+    door_max_m: float = 1.0
     door_corner_chance: float = 0.75
     """Chance of a door within 0.05 to 0.3 m of a corner."""
+    flush_chance: float = 0.05
+    """Chance of a door without a jamb where it stands in a corner."""
     extra_door_chance: float = 0.12
     """Chance of a door between two neighbours who do not need it to reach each other."""
     open_chance_min: float = 0.05
@@ -51,16 +53,20 @@ class Home:
     """Share of rooms that belong to the neighbours: homes are not boxes."""
     leaf_chance: float = 0.55
     """Chance of a door's open leaf in the map."""
-    niche_chance: float = 0.3
+    niche_chance: float = 0.6
     """Chance of something beside a door, 0.1 to 0.6 m deep and long."""
     furniture: bool = True
-    wall_pieces_per_m2: float = 0.28
+    wall_pieces_per_m2: float = 0.4
     """Against walls, at most six a room on average."""
     free_pieces_per_m2: float = 0.09
     """Free-standing, at most two and a half a room on average."""
     clutter_min_per_m2: float = 0.2
     """Legs and small things: drawn per home, on a logarithmic scale, from here to `clutter_max_per_m2`."""
-    clutter_max_per_m2: float = 0.9
+    clutter_max_per_m2: float = 1.5
+    wall_piece_clear_m: float = 0.6
+    """Left free before both sides of a door by large furniture."""
+    clutter_clear_m: float = 0.25
+    """Left free before both sides of a door by small things."""
     shafts: float = 0.5
     """Mean number of chimneys and shafts in the corners of rooms."""
     windows: float = 0.7
@@ -69,7 +75,7 @@ class Home:
     """Chance of a home with small holes in its walls."""
     rough_chance: float = 0.75
     """Chance of a home with rough walls."""
-    rough_max: float = 0.12
+    rough_max: float = 0.3
     """Share of a rough home's wall that is a cell off: drawn from 0 to this."""
     corners_chance: float = 0.4
     """Chance of a home with corners that were not explored."""
@@ -122,6 +128,8 @@ BOUNDS: Mapping[str, tuple[float, float]] = MappingProxyType(
         "free_pieces_per_m2": CHANCE,
         "clutter_min_per_m2": (0.001, 3.0),
         "clutter_max_per_m2": (0.001, 3.0),
+        "wall_piece_clear_m": (0.0, 2.0),
+        "clutter_clear_m": (0.0, 2.0),
         "shafts": (0.0, 20.0),
         "windows": (0.0, 20.0),
         "specks": (0.0, 100.0),
@@ -132,6 +140,7 @@ BOUNDS: Mapping[str, tuple[float, float]] = MappingProxyType(
             (
                 "corridor_chance",
                 "door_corner_chance",
+                "flush_chance",
                 "extra_door_chance",
                 "open_chance_min",
                 "open_chance_max",

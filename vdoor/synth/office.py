@@ -38,6 +38,8 @@ def _scanned(placed: Placed, settings: Office, rng: np.random.Generator) -> scan
     if scanned:
         scan.roughen(rooms, rng.uniform(0.0, settings.rough_max), rng)
     cells = scan.outlined(rooms, np.zeros(rooms.shape, np.bool_), depth=int(rng.integers(1, 4)))
+    if rng.random() < settings.faded_chance:
+        scan.forget_walls(cells, rng.random(), rng)
     for _ in range(int(rng.poisson(2.0)) if scanned else 0):
         scan.look_outside(placed, cells, (0.3, 2.0), rng)
     return cells

@@ -11,7 +11,6 @@ from vdoor.synth.layout import Gap, connected, fine, placed_door, walls_between
 from vdoor.synth.office_sketch import Sketch
 from vdoor.synth.plan import Axis
 
-JAMB_M = (0.1, 0.45)
 DOUBLE_M = (1.4, 2.0)
 OPENING_M = (1.2, 2.6)
 
@@ -19,7 +18,7 @@ OPENING_M = (1.2, 2.6)
 def add_doors(sketch: Sketch) -> None:
     """Give every room a door: to a corridor where it has one, else to a neighbour; and some a second one."""
     settings, corridors = sketch.settings, sketch.corridors
-    needs = DOUBLE_M[1] + 2 * JAMB_M[0]
+    needs = DOUBLE_M[1] + 2 * sketch.jamb_m[0]
     rooms = sketch.rooms + sketch.halls
     reached = []
     for k, room in enumerate(rooms):
@@ -53,13 +52,13 @@ def _door(sketch: Sketch, wall: Gap, *, hall: bool) -> Gap:
     """Return a door in a wall: of the floor's usual width, double, or an opening."""
     settings, rng = sketch.settings, sketch.rng
     if not hall and sketch.chance(settings.open_chance):
-        width = fine(rng.uniform(OPENING_M[0], min(OPENING_M[1], wall.rect.sides[wall.along] - 2 * JAMB_M[0])))
-        gap = placed_door(wall, width, rng, jamb_m=JAMB_M, corner=0.5)
+        width = fine(rng.uniform(OPENING_M[0], min(OPENING_M[1], wall.rect.sides[wall.along] - 2 * sketch.jamb_m[0])))
+        gap = placed_door(wall, width, rng, jamb_m=sketch.jamb_m, corner=0.5)
         return Gap(gap.rect, gap.axis, leaf=False, unsure=width >= settings.unsure_from_m)
     width = sketch.between("door") if sketch.chance(0.15) else sketch.door_m
     if sketch.chance(0.6 if hall else settings.double_chance):
         width = fine(rng.uniform(*DOUBLE_M))
-    return placed_door(wall, width, rng, jamb_m=JAMB_M, corner=settings.door_corner_chance)
+    return placed_door(wall, width, rng, jamb_m=sketch.jamb_m, corner=settings.door_corner_chance)
 
 
 def close_corridors(sketch: Sketch) -> None:
@@ -77,4 +76,4 @@ def close_corridors(sketch: Sketch) -> None:
             ):
                 sketch.solids.append(wall)
                 width = fine(min(corridor.sides[1 - along] - 0.2, rng.choice([sketch.door_m, 1.6])))
-                sketch.gaps.append(placed_door(Gap(wall, along), width, rng, jamb_m=JAMB_M, corner=0.2))
+                sketch.gaps.append(placed_door(Gap(wall, along), width, rng, jamb_m=sketch.jamb_m, corner=0.2))

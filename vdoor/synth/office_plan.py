@@ -15,6 +15,8 @@ from vdoor.synth.plan import Axis, Rect
 MARGIN_M = 1.0
 CUBICLE_M = (2.0, 3.6)
 CUBICLE_GAP_M = (0.9, 2.0)
+JAMB_M, FLUSH_M = (0.1, 0.45), (0.0, 0.05)
+"""Wall left beside doors near a corner."""
 BETWEEN_M = (5.5, 15.0)
 """Depth of what lies between two corridors."""
 INSIDE = (("two rows", 0.4), ("one row", 0.15), ("halls", 0.15), ("open", 0.08), ("cubicles", 0.12), ("yard", 0.15))
@@ -24,7 +26,8 @@ INSIDE = (("two rows", 0.4), ("one row", 0.15), ("halls", 0.15), ("open", 0.08),
 def draw_office_plan(settings: Office, rng: np.random.Generator) -> Layout:
     """Return a plan: what no door reaches is part of the sheet but of no room."""
     wall = fine(rng.uniform(settings.wall_min_m, settings.wall_max_m))
-    sketch = Sketch(settings, rng, wall, fine(rng.uniform(settings.door_min_m, settings.door_max_m)))
+    door = fine(rng.uniform(settings.door_min_m, settings.door_max_m))
+    sketch = Sketch(settings, rng, wall, door, FLUSH_M if rng.random() < settings.flush_chance else JAMB_M)
     _arrange(sketch)
     add_doors(sketch)
     close_corridors(sketch)
@@ -66,8 +69,10 @@ def _arrange(sketch: Sketch) -> None:
     mains = [main.spanning(0, *ends) for main in mains]
     sketch.corridors += mains
     crossing = _crossings(sketch, ends) if count > 1 else []
-    for x, width in crossing:
-        sketch.corridors.append(Rect((x, mains[0].low[1]), (x + width, mains[-1].high[1])))
+    bottom, top = mains[0].low[1], mains[-1].high[1]
+    sketch.corridors += [Rect((x, bottom), (x + width, top)) for x, width in crossing]
+    if sketch.chance(sketch.settings.mouth_chance):
+        _part_crossings(sketch, mains, crossing)
     for lower, upper in itertools.pairwise(mains):
         edges = [ends[0] - wall, *(edge for x, width in crossing for edge in (x, x + width)), ends[1] + wall]
         for left, right in zip(edges[::2], edges[1::2], strict=True):
@@ -120,6 +125,16 @@ def _row(sketch: Sketch, rect: Rect, along: Axis) -> list[Rect]:
         rooms.append(rect.spanning(along, at, at + width))
         at += width + sketch.wall_m
     return [part for room in rooms for part in _with_anteroom(sketch, room, 1 if along == 0 else 0)]
+
+
+def _part_crossings(sketch: Sketch, mains: list[Rect], crossing: list[tuple[float, float]]) -> None:
+    """Make cross corridors rooms of their own: people part them where they meet a main one, without any narrowing."""
+    for x, width in crossing:
+        for lower, upper in itertools.pairwise(mains):
+            for low in (lower.high[1], fine(upper.low[1] - sketch.wall_m)):
+                mouth = Rect((x, low), (fine(x + width), fine(low + sketch.wall_m)))
+                sketch.solids.append(mouth)
+                sketch.gaps.append(Gap(mouth, 1, leaf=False, unsure=width >= sketch.settings.unsure_from_m))
 
 
 def _with_anteroom(sketch: Sketch, room: Rect, across: Axis) -> list[Rect]:

@@ -22,7 +22,7 @@ class Office:
     length_max_m: float = 48.0
     corridors_max: int = 3
     """Main corridors, from 1 to this; cross corridors join them."""
-    corridor_min_m: float = 1.4
+    corridor_min_m: float = 1.2
     corridor_max_m: float = 3.0
     room_depth_min_m: float = 3.2
     room_depth_max_m: float = 7.0
@@ -33,17 +33,21 @@ class Office:
     door_min_m: float = 0.8
     """One width is drawn for the floor, a few doors differ."""
     door_max_m: float = 1.1
-    double_chance: float = 0.08
+    double_chance: float = 0.12
     """Chance of a double door of 1.4 to 2 m; halls have them more often."""
-    open_chance: float = 0.05
+    open_chance: float = 0.12
     """Chance of an opening of 1.2 to 2.6 m in place of a door."""
-    unsure_from_m: float = 2.1
+    unsure_from_m: float = 2.4
     """Openings from this width on are marked as unsure."""
     door_corner_chance: float = 0.7
+    flush_chance: float = 0.2
+    """Chance of a floor whose doors in corners have no jamb there: they end at the wall across."""
     extra_door_chance: float = 0.08
     """Chance of a door between neighbours, and of a second one to a corridor."""
     corridor_door_chance: float = 0.35
     """Chance of a door across a corridor, for each of its spans."""
+    mouth_chance: float = 0.4
+    """Chance of a floor whose cross corridors are parted from the main ones where they meet."""
     anteroom_chance: float = 0.08
     """Chance that a room is divided in two, one behind the other."""
     notch_chance: float = 0.45
@@ -51,9 +55,11 @@ class Office:
     furnished_chance: float = 0.6
     furniture: bool = True
     """False: none, whatever the chance."""
-    rough_chance: float = 0.25
+    faded_chance: float = 0.25
+    """Chance of a floor of whose walls a share, from none to all, is unknown."""
+    rough_chance: float = 0.4
     """Chance of a floor that was scanned, not drawn: rough walls, a few rays."""
-    rough_max: float = 0.1
+    rough_max: float = 0.2
     rotated_chance: float = 0.3
     """Chance of a floor that does not lie straight: by up to 6 degrees, two in five of them by up to 45."""
     cell_m: float = 0.05
@@ -94,6 +100,9 @@ BOUNDS: Mapping[str, tuple[float, float]] = MappingProxyType(
                 "corridor_door_chance",
                 "anteroom_chance",
                 "notch_chance",
+                "flush_chance",
+                "mouth_chance",
+                "faded_chance",
                 "furnished_chance",
                 "rough_chance",
                 "rotated_chance",

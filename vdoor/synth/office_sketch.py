@@ -19,6 +19,8 @@ class Sketch:
     rng: np.random.Generator
     wall_m: float
     door_m: float
+    jamb_m: tuple[float, float]
+    """Wall left beside doors near a corner, least and most."""
     corridors: list[Rect] = field(default_factory=list)
     rooms: list[Rect] = field(default_factory=list)
     halls: list[Rect] = field(default_factory=list)

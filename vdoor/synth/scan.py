@@ -108,7 +108,7 @@ def cast(rooms: Rooms, cells: Cells, view: Fan, rng: np.random.Generator) -> Non
     count = max(3, math.ceil(2 * view.half_rad * view.reach / 0.7))
     angles = view.angle_rad + np.linspace(-view.half_rad, view.half_rad, count)
     ends = _ends(count, view.reach, rng)
-    steps = np.arange(0.0, ends.max(), 0.5)
+    steps = np.arange(0.0, max(float(ends.max()), 0.5), 0.5)
     row, col = (np.rint(eye[k] + np.outer(way(angles), steps)).astype(np.intp) for k, way in ((0, np.sin), (1, np.cos)))
     row, col = np.clip(row, 2, rooms.shape[0] - 3), np.clip(col, 2, rooms.shape[1] - 3)
     low, high = (row.min(), col.min()), (row.max() + 1, col.max() + 1)

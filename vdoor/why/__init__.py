@@ -66,7 +66,7 @@ def explain(run: History, point_m: Point, *, count: int = 3) -> Answer:
         else (),
         candidates=sample_fates(run, point_m, run.candidates.sample, count) if has(Candidates) else (),
         corners=corner_fates(run, point_m, count) if has(Corners) else (),
-        doors=door_fates(run, point_m, count) if has(VirtualDoors) else (),
+        doors=door_fates(run, point_m, count) if has(VirtualDoors) and has(Corners) else (),
         passages=passages(run, point_m, count) if has(TopologicalMap) else (),
         recorded=run.stages,
     )

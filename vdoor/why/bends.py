@@ -14,6 +14,7 @@ from vdoor.stages.curvature import EPSILON
 from vdoor.stages.doors import VirtualDoors
 from vdoor.stages.trace import BoundaryPath
 from vdoor.why.near import Point, nearest, point_of
+from vdoor.why.reach import longest_m
 
 Ints = NDArray[np.int32]
 Floats = NDArray[np.float64]
@@ -146,5 +147,5 @@ def _corner_fate(run: History, corner: int, away_m: float) -> CornerFate:
         doors=doors,
         nearest_convex=other if np.isfinite(apart_m[other]) else -1,
         nearest_convex_m=float(apart_m[other]) if np.isfinite(apart_m[other]) else 0.0,
-        max_length_m=run.pipeline.doors.max_length_m,
+        max_length_m=longest_m(run.pipeline.doors),
     )

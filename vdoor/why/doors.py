@@ -1,4 +1,4 @@
-"""What became of virtual doors: proposed or rejected, edge or idle, kept or removed, and the door of the final map."""
+"""What became of virtual doors: proposed or rejected, likely or not, edge or idle, kept or removed; the final door."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from vdoor.stages.doors import KINDS, PROPOSED, VERDICTS
 from vdoor.stages.rooms import InitialMap
 from vdoor.topology import TopologicalMap
 from vdoor.why.near import Point, point_of
+from vdoor.why.reach import reach
+from vdoor.why.scores import ScoreFate, score_fate
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int32]
-
-PAIR = KINDS.index("pair")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -54,12 +54,14 @@ class DoorFate:
     tilt_deg: float
     gap_m: float | None
     """Along the path between its ends, the shorter way round; none between two contours."""
-    least_gap_m: float
-    """What that must exceed: the detour times the length."""
+    least_gap_m: float | None
+    """What that must exceed: the detour times the length; none for extensions, of which it is not asked."""
     blocked_at: tuple[int, int] | None = None
     """First working cell (col, row) in its way."""
     twin: int = -1
     """The door with the same ends that was kept, for duplicates."""
+    score: ScoreFate | None = None
+    """Of proposed doors, where doors are scored."""
     edge: int = -1
     regions: tuple[int, ...] = ()
     idle: bool = False
@@ -70,7 +72,7 @@ class DoorFate:
     final_door: tuple[int, ...] = ()
     final_rooms: tuple[tuple[int, int], ...] = ()
     fate: str = ""
-    """The last word on it: a verdict, idle, removed, separates nothing, no room there, door, or open."""
+    """The last word: a verdict, unlikely, outdone, idle, removed, separates nothing, no room there, door, or open."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -97,26 +99,25 @@ def door_fates(run: History, point_m: Point, count: int) -> tuple[DoorFate, ...]
 
 def door_fate(run: History, door: int, away_m: float = 0.0) -> DoorFate:
     """What became of one virtual door, as far as it was recorded."""
-    doors, settings = run.doors, run.pipeline.doors
-    gap_m = path_gap_m(run, door)
-    detour = settings.pair_detour if doors.kind[door] == PAIR else settings.single_detour
+    doors, kind = run.doors, KINDS[run.doors.kind[door]]
+    limits = reach(run.pipeline.doors, kind)
     verdict = VERDICTS[doors.verdict[door]]
     corners = [corner for corner in (doors.corner_start[door], doors.corner_end[door]) if corner >= 0]
     later = _after(run, door) if doors.verdict[door] == PROPOSED else {"fate": verdict}
     return DoorFate(
         door=door,
         away_m=away_m,
-        kind=KINDS[doors.kind[door]],
+        kind=kind,
         verdict=verdict,
         start_m=point_of(run, doors.start[door]),
         end_m=point_of(run, doors.end[door]),
         corners=tuple(map(int, corners)),
         length_m=float(doors.length_m[door]),
-        max_length_m=settings.max_length_m,
+        max_length_m=limits.max_length_m,
         width_m=float(doors.width_m[door]),
         tilt_deg=float(np.degrees(doors.tilt_rad[door])),
-        gap_m=gap_m,
-        least_gap_m=detour * float(doors.length_m[door]),
+        gap_m=path_gap_m(run, door),
+        least_gap_m=None if limits.detour is None else limits.detour * float(doors.length_m[door]),
         blocked_at=blocked_at(run, door) if verdict == "blocked" else None,
         twin=twin_of(run, door) if verdict == "duplicate" else -1,
         **later,
@@ -124,14 +125,18 @@ def door_fate(run: History, door: int, away_m: float = 0.0) -> DoorFate:
 
 
 def _after(run: History, door: int) -> dict[str, Any]:
-    """What happened to a proposed door from the initial map on."""
+    """What happened to a proposed door from its score or the initial map on."""
+    score = score_fate(run, door)
+    found: dict[str, Any] = {"score": score, "fate": "open"}
+    if score is not None and score.judgement != "likely":
+        return found | {"fate": score.judgement}
     if not run.has(InitialMap):
-        return {"fate": "open"}
+        return found
     edge = run.edge_of_door.get(door)
     if edge is None:
-        return {"idle": True, "fate": "idle"}
+        return found | {"idle": True, "fate": "idle"}
     regions = tuple(run.initial.border_region[run.initial.border_edge == edge].tolist())
-    found: dict[str, Any] = {"edge": edge, "regions": regions, "fate": "open"}
+    found |= {"edge": edge, "regions": regions}
     if not len(run.search):
         return found
     search = search_fate(run, edge)
@@ -178,7 +183,8 @@ def path_gap_m(run: History, door: int) -> float | None:
     if doors.corner_end[door] >= 0:
         ends = corners.sample[[doors.corner_end[door]]]
     else:
-        ends = np.flatnonzero((path.cell == doors.end[door]).all(axis=1)).astype(np.int32)
+        apart = ((path.cell - doors.end[door]).astype(np.int64) ** 2).sum(axis=1)
+        ends = np.flatnonzero(apart == apart.min()).astype(np.int32)  # the end of an extension may lie off the path
     ends = ends[path.contour[ends] == path.contour[start]]
     if not len(ends):
         return None

@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+import math
+from collections.abc import Callable, Iterator, Sequence
 
 from vdoor.grid import FREE_TO, OCCUPIED_FROM
 from vdoor.why import Answer, Place
 from vdoor.why.bends import CornerFate, Sample
 from vdoor.why.doors import DoorFate
 from vdoor.why.near import Point
+from vdoor.why.scores import Reason, Rival, ScoreFate
 
+MOST_RIVALS = 5
+"""Told one by one."""
 REASONS = {
     "unreachable": "not where the robot can be, nor a wall beside that",
     "jut": "a short bump of a wall, flattened: free now",
     "notch": "a short dent of a wall, filled: occupied now",
     "island": "an obstacle standing free, removed: free now",
+    "thin unknown": "unknown in a thin line with free space around it: free now",
 }
 
 
@@ -107,6 +112,10 @@ def door_lines(door: DoorFate) -> Iterator[str]:
     size = f"length {door.length_m:.2f} m (at most {door.max_length_m:g}), free gap {door.width_m:.2f} m, "
     yield f"    {size}tilt {door.tilt_deg:.1f} deg, {_detour(door)}"
     yield f"    {_VERDICTS[door.verdict](door)}"
+    if door.score:
+        yield from score_lines(door.score)
+        if door.score.rivals:
+            yield f"      rivals: {_rivals(door.score.rivals, won=door.search is not None and not door.search.removed)}"
     if door.idle:
         yield "    initial map: idle, it borders fewer than two regions"
     if door.edge >= 0:
@@ -120,7 +129,8 @@ def door_lines(door: DoorFate) -> Iterator[str]:
 def _detour(door: DoorFate) -> str:
     if door.gap_m is None:
         return "its ends lie on two contours"
-    return f"path between its ends {door.gap_m:.2f} m (must exceed {door.least_gap_m:.2f})"
+    wanted = "" if door.least_gap_m is None else f" (must exceed {door.least_gap_m:.2f})"
+    return f"path between its ends {door.gap_m:.2f} m{wanted}"
 
 
 def _blocked(door: DoorFate) -> str:
@@ -133,11 +143,58 @@ _VERDICTS: dict[str, Callable[[DoorFate], str]] = {
     "blocked": _blocked,
     "same wall": lambda door: (
         "rejected, same wall: the path between its ends "
-        f"is {door.gap_m or 0:.2f} m, no longer than {door.least_gap_m:.2f}"
+        f"is {door.gap_m or 0:.2f} m, no longer than {door.least_gap_m or 0:.2f}"
     ),
     "no gap": lambda _: "rejected, no gap: its end cells touch",
     "duplicate": lambda door: f"rejected, duplicate: door {door.twin} has the same ends",
 }
+
+
+def score_lines(score: ScoreFate) -> Iterator[str]:
+    """What was said of one door: its judgement, and the loudest reasons."""
+    rough = f"; the map counts as {percent(score.share_rough)} rough"
+    bias = "" if score.bias is None else f", {score.bias:+.2f} before any feature"
+    odds = f"log-odds {score.log_odds:+.2f} ({percent(1 / (1 + math.exp(-score.log_odds)))}{bias})"
+    yield f"    score: {odds}, {_JUDGEMENTS[score.judgement](score)}{rough}"
+    if score.bias is None:
+        yield "      reasons: the curves that this run used are not here"
+    else:
+        for word, reasons in (("for", score.reasons_for), ("against", score.reasons_against)):
+            yield f"      {word}: {', '.join(map(_reason, reasons)) or 'nothing'}"
+
+
+def percent(share: float) -> str:
+    """A share in whole percent, never 0 or 100 where it is not."""
+    rounded = round(100 * share)
+    if rounded == 0 < share:
+        return "under 1 %"
+    return "over 99 %" if rounded == 100 > 100 * share else f"{rounded} %"  # noqa: PLR2004  # percent
+
+
+_JUDGEMENTS: dict[str, Callable[[ScoreFate], str]] = {
+    "likely": lambda score: f"likely (at least {score.least_log_odds:+g}): the search decides",
+    "unlikely": lambda score: f"unlikely, below {score.least_log_odds:+g}: left out of the search",
+    "outdone": lambda score: (
+        f"outdone by door {score.outdone_by} at the same place, log-odds {score.outdone_by_log_odds:+.2f}: "
+        "left out of the search"
+    ),
+}
+
+
+def _reason(reason: Reason) -> str:
+    return f"{reason.feature} {reason.value:.2f} says {reason.log_odds:+.2f}"
+
+
+def _rivals(rivals: Sequence[Rival], *, won: bool) -> str:
+    """Which doors a likely one excludes, by what the search made of them."""
+    words = {True: "kept beside it" if won else "won over it", False: "beaten" if won else "not kept either"}
+    parts = []
+    for kept, word in (words | {None: "not searched"}).items():
+        own = [f"door {rival.door} ({rival.log_odds:+.2f})" for rival in rivals if rival.kept is kept]
+        if own:
+            more = f" and {len(own) - MOST_RIVALS} more" if len(own) > MOST_RIVALS else ""
+            parts.append(f"{', '.join(own[:MOST_RIVALS])}{more} {word}")
+    return "; ".join(parts)
 
 
 def _search(door: DoorFate) -> str:

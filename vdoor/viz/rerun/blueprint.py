@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
+from typing import Any
+
 import rerun.blueprint as rrb
 
 DESCRIPTION = """# vdoor: from a map to rooms and doors
@@ -16,30 +19,66 @@ in the search, from generation to generation. Choose another timeline at the bot
 
 | tab | what is seen |
 |---|---|
-| Simplified | the working grid; coloured cells were removed: unreachable, jut, notch, island |
-| Path | boundary (yellow), walker and heading |
-| Curvature | angle between f and b; below the threshold a sample is a candidate |
-| Corners | candidates (small) and corner features (large); blue convex, green concave |
-| Doors | proposed doors (blue), rejected ones in a layer for each reason |
-| Initial map | regions, rooms (yellow) and doors (red) as a graph |
-| Search | cost, its three terms, kept doors |
-| Rooms | the result |
+{tabs}
 
 Lengths in the views are cells; hover over an element for its numbers.
 """
 
 WORKING = "map/simplified"
-
-
+MEANING = {
+    "Overview": "",
+    "Simplified": "the working grid; coloured cells were removed: unreachable, jut, notch, island",
+    "Path": "boundary (yellow), walker and heading",
+    "Curvature": "angle between f and b; below the threshold a sample is a candidate",
+    "Corners": "candidates (small) and corner features (large); blue convex, green concave",
+    "Narrow places": "skeleton of the free space; where it is narrow (blue), and where not",
+    "Cores": "what is left of the free space far from walls, and the rooms that grow back from it",
+    "Doors": "proposed doors (blue), rejected ones in a layer for each reason",
+    "Scores": "likely doors from doubtful (orange) to sure (green), unlikely and outdone ones; lines join rivals",
+    "Initial map": "regions, rooms (yellow) and doors (red) as a graph",
+    "Search": "cost, its three terms, kept doors",
+    "Rooms": "the result",
+}
+"""What is seen in each tab there can be, in their order."""
 TABS = ("Overview", "Simplified", "Path", "Curvature", "Corners", "Doors", "Initial map", "Search", "Rooms")
+"""Those of a run as in the paper."""
+
+Settings = Mapping[str, Any]
+"""Of a run, as nested tables."""
 
 
-def blueprint(active_tab: str = TABS[0]) -> rrb.Blueprint:
-    """The default blueprint, opened at one of its tabs."""
-    tabs = (overview(), simplified(), path(), curvature(), corners(), doors(), initial_map(), search(), rooms())
+def tabs_of(settings: Settings) -> tuple[str, ...]:
+    """The tabs in which a run with these settings has something to show."""
+    if "narrows" in settings:
+        return ("Overview", "Simplified", "Narrow places", "Doors", "Initial map", "Rooms")
+    if "erode" in settings:
+        return ("Overview", "Simplified", "Cores", "Rooms")
+    return tuple(tab for tab in MEANING if tab in TABS or (tab == "Scores" and does(settings, "score")))
+
+
+def does(settings: Settings, stage: str) -> bool:
+    """Whether a run has a stage that can be left out."""
+    return bool(settings.get(stage, {}).get("method", "none") != "none")
+
+
+def description(settings: Settings) -> str:
+    """What the tabs of a run show, as Markdown."""
+    return DESCRIPTION.format(
+        tabs="\n".join(f"| {tab} | {MEANING[tab]} |" for tab in tabs_of(settings) if MEANING[tab])
+    )
+
+
+def blueprint(settings: Settings | None = None, *, active_tab: str = TABS[0]) -> rrb.Blueprint:
+    """The default blueprint for a run with these settings, opened at one of its tabs."""
+    settings = settings or {}
+    names = tabs_of(settings)
+    made = VIEWS | {
+        "Overview": lambda: overview(settings),
+        "Search": lambda: search(settings),
+    }
     panel = rrb.TimePanel(state="collapsed", timeline="step", play_state="following")  # at the end, where all is drawn
     return rrb.Blueprint(
-        rrb.Tabs(*tabs, active_tab=TABS.index(active_tab)),
+        rrb.Tabs(*(made[name]() for name in names), active_tab=names.index(active_tab)),
         rrb.BlueprintPanel(state="collapsed"),
         rrb.SelectionPanel(state="collapsed"),
         panel,
@@ -53,15 +92,15 @@ def flat(name: str, *contents: str, origin: str = "map") -> rrb.Spatial2DView:
     return rrb.Spatial2DView(name=name, origin=origin, contents=[f"+ /{path}" for path in contents])
 
 
-def overview() -> rrb.Container:
-    """The result beside the two plots that led to it."""
-    plots = rrb.Vertical(curve(), cost(), row_shares=[1, 1])
+def overview(settings: Settings) -> rrb.Container:
+    """The result beside the plots that led to it."""
+    tabs = tabs_of(settings)
+    plots = [*([curve()] if "Curvature" in tabs else []), *([cost(settings)] if "Search" in tabs else [])]
     notes = rrb.Tabs(
         rrb.TextDocumentView(origin="description", name="Read me"), rrb.TextLogView(origin="log", name="Log"), stages()
     )
-    return rrb.Horizontal(
-        final_map(), rrb.Vertical(plots, notes, row_shares=[3, 2]), column_shares=[3, 2], name="Overview"
-    )
+    beside = rrb.Vertical(rrb.Vertical(*plots), notes, row_shares=[3, 2]) if plots else notes
+    return rrb.Horizontal(final_map(), beside, column_shares=[3, 2], name="Overview")
 
 
 def simplified() -> rrb.Container:
@@ -101,19 +140,44 @@ def doors() -> rrb.Container:
     return rrb.Vertical(rrb.Horizontal(proposed, rejected), table, row_shares=[3, 1], name="Doors")
 
 
+def scores() -> rrb.Container:
+    """Doors by what speaks for them."""
+    likely = flat("Likely doors, orange doubtful to green sure", WORKING, "map/scores/likely", "map/scores/rivals")
+    others = flat("Unlikely and outdone", WORKING, "map/scores/unlikely", "map/scores/outdone")
+    rows = rrb.archetypes.DataframeQuery(timeline="row")
+    tables = [
+        rrb.DataframeView(origin=f"tables/{table}", name=name, query=rows)
+        for table, name in (("door_scores", "Scores"), ("door_features", "Features"))
+    ]
+    return rrb.Vertical(rrb.Horizontal(likely, others), rrb.Horizontal(*tables), row_shares=[3, 1], name="Scores")
+
+
+def narrow_places() -> rrb.Container:
+    """The skeleton, and where it is narrow."""
+    skeleton = flat("Skeleton", WORKING, "map/skeleton")
+    return rrb.Horizontal(skeleton, flat("Narrow places", WORKING, "map/narrows/**"), name="Narrow places")
+
+
+def cores() -> rrb.Container:
+    """What is left of the free space, and what grows back from it."""
+    left = flat("Far from walls", WORKING, "map/eroded")
+    return rrb.Horizontal(left, flat("Grown back", WORKING, "map/grown"), name="Cores")
+
+
 def initial_map() -> rrb.Container:
     """The initial topological map over the grid, and as a graph."""
     over = flat("Over the map", WORKING, "map/regions", "map/doors/proposed", "map/initial/**")
     return rrb.Horizontal(over, rrb.GraphView(origin="graph/initial", name="Rooms and doors"), name="Initial map")
 
 
-def search() -> rrb.Container:
-    """Cost by generation, and the doors kept."""
+def search(settings: Settings) -> rrb.Container:
+    """Cost by generation, and the doors kept; what was proven of them, where that was asked."""
     kept = flat("Doors kept by the best string", WORKING, "map/search/**")
     terms = rrb.TimeSeriesView(
         origin="plots/terms", name="Terms of eq. 7 (best string)", plot_legend=rrb.Corner2D.RightTop
     )
-    return rrb.Horizontal(kept, rrb.Vertical(cost(), terms), name="Search")
+    proven = [rrb.TextDocumentView(origin="certificate", name="Proven")] if does(settings, "certify") else []
+    return rrb.Horizontal(kept, rrb.Vertical(cost(settings), terms, *proven), name="Search")
 
 
 def rooms() -> rrb.Container:
@@ -133,13 +197,29 @@ def curve() -> rrb.Spatial2DView:
     return rrb.Spatial2DView(origin="curve", name="Angle between f and b by sample, degrees (eq. 5)")
 
 
-def cost() -> rrb.TimeSeriesView:
+def cost(settings: Settings) -> rrb.TimeSeriesView:
     """Best, mean and worst cost."""
+    formula = "energy of scored doors" if does(settings, "score") else "eq. 7"
     return rrb.TimeSeriesView(
-        origin="plots/search", name="Cost by generation (eq. 7)", plot_legend=rrb.Corner2D.RightTop
+        origin="plots/search", name=f"Cost by generation ({formula})", plot_legend=rrb.Corner2D.RightTop
     )
 
 
 def stages() -> rrb.StateTimelineView:
     """When each stage ran."""
     return rrb.StateTimelineView(origin="state", name="Stages")
+
+
+VIEWS: dict[str, Callable[[], rrb.Container]] = {
+    "Simplified": simplified,
+    "Path": path,
+    "Curvature": curvature,
+    "Corners": corners,
+    "Narrow places": narrow_places,
+    "Cores": cores,
+    "Doors": doors,
+    "Scores": scores,
+    "Initial map": initial_map,
+    "Rooms": rooms,
+}
+"""Tabs that are the same in every run."""

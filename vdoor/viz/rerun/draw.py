@@ -8,22 +8,28 @@ from typing import Any
 import numpy as np
 import rerun as rr
 
+from vdoor.baselines import ErodedSpace, GrownRooms, Narrows, Skeleton
 from vdoor.errors import MapError
 from vdoor.formats import read_annotations
 from vdoor.grid import OccupancyGrid
 from vdoor.record import RASTERS, Record, specs, tables
+from vdoor.stages.certify import Certificate
 from vdoor.stages.corners import Candidates, Corners
 from vdoor.stages.curvature import Curvature
 from vdoor.stages.doors import PROPOSED, VERDICTS, VirtualDoors
 from vdoor.stages.rooms import InitialMap
+from vdoor.stages.score import DoorScores
 from vdoor.stages.search import Generation
 from vdoor.stages.simplify import REASONS, SimplifiedGrid
 from vdoor.stages.trace import BoundaryPath
 from vdoor.topology import TopologicalMap
 from vdoor.viz.rerun import style
+from vdoor.viz.rerun.baselines import draw_eroded, draw_grown, draw_narrows, draw_skeleton
 from vdoor.viz.rerun.curve import draw_curve, draw_threshold
 from vdoor.viz.rerun.graphs import draw_generation, draw_initial, draw_map
+from vdoor.viz.rerun.rows import table
 from vdoor.viz.rerun.scene import Scene, classes, pixels, strips
+from vdoor.viz.rerun.scores import draw_certificate, draw_scores
 
 MOST_PLACES = 20_000
 """The walker stops at so many samples at most."""
@@ -35,7 +41,7 @@ CELL_CLASSES = {
     BETWEEN: ("between", style.BETWEEN),
     OCCUPIED: ("occupied", style.OCCUPIED),
 }
-REASON_COLOURS = (style.CLEAR, style.UNREACHABLE, style.JUT, style.NOTCH, style.ISLAND)
+REASON_COLOURS = (style.CLEAR, style.UNREACHABLE, style.JUT, style.NOTCH, style.ISLAND, style.THIN_UNKNOWN)
 HEADING_PX = np.array([(1, 0), (0, -1), (-1, 0), (0, 1)])
 
 
@@ -74,11 +80,11 @@ def draw_simplified(scene: Scene, grid: SimplifiedGrid) -> None:
     """The working grid, and what was removed from it as a layer of its own."""
     scene.remembered[grid.topic] = grid
     scene.keep("map/simplified", classes(CELL_CLASSES))
-    scene.keep("map/removed", classes(dict(enumerate(zip(REASONS, REASON_COLOURS, strict=False)))))
+    scene.keep("map/removed", classes(dict(enumerate(zip(REASONS, REASON_COLOURS, strict=True)))))
     scene.raster("map/simplified", cell_classes(grid))
     scene.raster("map/removed", grid.reason, order=1.0)
     counts = [np.count_nonzero(grid.reason == code) for code in range(len(REASONS))]
-    scene.say(", ".join(f"{count} cells {name}" for name, count in zip(REASONS, counts, strict=False) if count))
+    scene.say(", ".join(f"{count} cells {name}" for name, count in zip(REASONS, counts, strict=True) if count))
 
 
 def draw_path(scene: Scene, path: BoundaryPath) -> None:
@@ -186,27 +192,6 @@ def draw_any(scene: Scene, record: Record) -> None:
         table(scene, record, name)
 
 
-def table(scene: Scene, record: Record, name: str) -> None:
-    """A table of a record, one row each along the timeline of that name."""
-    columns: dict[str, Any] = {}
-    for field in tables(type(record))[name]:
-        values, spec = getattr(record, field), specs(type(record))[field][0]
-        if not len(values):
-            return
-        if spec.words:
-            columns[field] = np.array(spec.words)[values].tolist()
-        elif spec.unit == "rad":
-            columns[field.replace("_rad", "_deg")] = np.degrees(values)
-        elif values.ndim > 1:
-            parts = ("x", "y") if spec.unit == "m" else ("row", "col")
-            columns |= {f"{field}_{part}": values[:, at] for at, part in enumerate(parts)}
-        else:
-            columns[field] = values
-    timeline = name if name == "corner" else "row"
-    rows = np.arange(len(values))
-    scene.columns(f"tables/{record.topic}", timeline, rows, rr.AnyValues.columns(**columns))
-
-
 def cell_classes(grid: OccupancyGrid | SimplifiedGrid) -> np.ndarray[Any, np.dtype[np.uint8]]:
     """Class of each cell (h, w)."""
     by_value = np.full(256, BETWEEN, np.uint8)
@@ -227,12 +212,18 @@ def walked(scene: Scene, path: BoundaryPath) -> np.ndarray[Any, np.dtype[np.int6
 DRAW: dict[type[Record], Callable[[Scene, Any], None]] = {
     OccupancyGrid: draw_input,
     SimplifiedGrid: draw_simplified,
+    Skeleton: draw_skeleton,
+    Narrows: draw_narrows,
+    ErodedSpace: draw_eroded,
+    GrownRooms: draw_grown,
     BoundaryPath: draw_path,
     Curvature: draw_curvature,
     Candidates: draw_candidates,
     Corners: draw_corners,
     VirtualDoors: draw_doors,
+    DoorScores: draw_scores,
     InitialMap: draw_initial,
     Generation: draw_generation,
+    Certificate: draw_certificate,
     TopologicalMap: draw_map,
 }

@@ -59,6 +59,7 @@ def draw_initial(scene: Scene, initial: InitialMap) -> None:
 def draw_generation(scene: Scene, generation: Generation) -> None:
     """Cost and its terms, and the doors that the best string keeps."""
     scene.at(generation=generation.number)
+    scene.remembered["generations"] = generation.number
     for name, colour in COSTS.items():
         scene.log(f"plots/search/{name}", rr.Scalars(getattr(generation, f"{name}_cost")))
         if generation.number == 0:

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import subprocess
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from rerun.experimental import ViewerClient
 
 from vdoor.errors import VdoorError
-from vdoor.viz.rerun.blueprint import TABS
 from vdoor.viz.rerun.program import HOST, end, free_port, start, wait_until_listening
 
 START_S, LOAD_S, STEADY_S = 30.0, 120.0, 60.0
@@ -26,34 +26,49 @@ class Shot:
     """One picture."""
 
     tab: str
+    number: int
+    """Of the tab, from the left."""
     png: bytes
     problems: tuple[str, ...]
     """What views reported instead of drawing."""
 
 
-def shots(recording: Path, *, tabs: tuple[str, ...] = TABS, size: tuple[int, int] = (1600, 1000)) -> Iterator[Shot]:
-    """A picture of each tab at the end of the recording; VdoorError where pictures cannot be made."""
+def shots(
+    recording: Path, *, tabs: tuple[str, ...] | None = None, size: tuple[int, int] = (1600, 1000)
+) -> Iterator[Shot]:
+    """A picture of each tab, or of some, at the end of the recording; VdoorError where pictures cannot be made."""
     with headless(recording, size) as client:
         current = client.get_state().recordings[0]
         last = next((line.end for line in current.timelines if line.name == "step"), None) or 0
         client.set_time("step", sequence=last, play_state="paused")
-        for tab in tabs:
+        names = list(tabs_in(client))
+        for tab in tabs or names:
             open_tab(client, tab)
             png = steady(client)
             reports = [f"{view.name}: {report.summary}" for view in client.get_state().views for report in view.reports]
-            yield Shot(tab, png, tuple(reports))
+            yield Shot(tab, names.index(tab), png, tuple(reports))
 
 
 def open_tab(client: ViewerClient, tab: str) -> None:
-    """Bring a tab of the recording's blueprint to the front."""
+    """Bring a tab of the recording's blueprint to the front; VdoorError where it has no such tab."""
+    there = tabs_in(client)
+    if tab not in there:
+        raise VdoorError(f"pictures: wanted one of the recording's tabs, {', '.join(there)}, found {tab!r}")
     layout = client.get_blueprint(of="recording").blueprint
-    root = "/container/" + layout["/viewport"]["ViewportBlueprint"]["root_container"]
-    containers = {path: part["ContainerBlueprint"] for path, part in layout.items() if "ContainerBlueprint" in part}
-    wanted = next((path for path, part in containers.items() if part.get("display_name") == tab), None)
-    if wanted is None:
-        raise VdoorError(f"pictures: the recording's blueprint has no tab {tab!r}")
-    layout[root]["ContainerBlueprint"]["active_tab"] = wanted
+    layout[root_of(layout)]["ContainerBlueprint"]["active_tab"] = there[tab]
     client.set_blueprint(layout, of="recording")
+
+
+def tabs_in(client: ViewerClient) -> dict[str, str]:
+    """The tabs of the recording's blueprint from left to right, each with its entity."""
+    layout = client.get_blueprint(of="recording").blueprint
+    paths = layout[root_of(layout)]["ContainerBlueprint"]["contents"]
+    return {layout[path]["ContainerBlueprint"]["display_name"]: path for path in paths}
+
+
+def root_of(layout: Mapping[str, Any]) -> str:
+    """The entity of the container that holds all others."""
+    return "/container/" + str(layout["/viewport"]["ViewportBlueprint"]["root_container"])
 
 
 @contextmanager

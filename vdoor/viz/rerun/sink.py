@@ -20,7 +20,7 @@ from vdoor.emit import RunInfo
 from vdoor.errors import VdoorError
 from vdoor.record import Record
 from vdoor.say import say
-from vdoor.viz.rerun.blueprint import DESCRIPTION, blueprint
+from vdoor.viz.rerun.blueprint import blueprint, description
 from vdoor.viz.rerun.draw import DRAW, draw_any
 from vdoor.viz.rerun.program import HOST, end, free_port, listening, start, wait_until_listening
 from vdoor.viz.rerun.scene import Scene
@@ -60,7 +60,7 @@ class RerunSink:
         stream = new_stream(info)
         with errors_at(path):
             path.touch()
-            stream.save(path, default_blueprint=blueprint())
+            stream.save(path, default_blueprint=blueprint(info.settings))
             sink = cls(stream, info, path=path)
             stream.flush(timeout_sec=FLUSH_S)
             if not path.stat().st_size:
@@ -82,7 +82,7 @@ class RerunSink:
     @classmethod
     def _to(cls, host: str, port: int, info: RunInfo, *, server: subprocess.Popen[bytes] | None = None) -> RerunSink:
         stream = new_stream(info, live=True)
-        stream.connect_grpc(f"rerun+http://{host}:{port}/proxy", default_blueprint=blueprint())
+        stream.connect_grpc(f"rerun+http://{host}:{port}/proxy", default_blueprint=blueprint(info.settings))
         return cls(stream, info, server=server)
 
     @classmethod
@@ -156,7 +156,9 @@ def recording_id(info: RunInfo) -> str:
 def described(info: RunInfo) -> str:
     """What the views show, and what was run."""
     files = ", ".join(name for name, _ in info.source.files) or "an array"
-    return f"{DESCRIPTION}\nvdoor {info.version}, preset `{info.preset}`, seed {info.seed}, map: {files}\n"
+    return (
+        f"{description(info.settings)}\nvdoor {info.version}, preset `{info.preset}`, seed {info.seed}, map: {files}\n"
+    )
 
 
 def check_room(path: Path, record: Record) -> None:

@@ -16,6 +16,7 @@ UNREACHABLE: Glass = (196, 128, 200, 200)
 JUT: Glass = (240, 120, 40, 255)
 NOTCH: Glass = (40, 170, 200, 255)
 ISLAND: Glass = (220, 190, 40, 230)
+THIN_UNKNOWN: Glass = (150, 120, 220, 230)
 CLEAR: Glass = (0, 0, 0, 0)
 
 VIRTUAL_WALL: Colour = (150, 40, 190)
@@ -39,6 +40,12 @@ REJECTED: dict[str, Colour] = {
     "no gap": (120, 120, 120),
     "duplicate": (120, 170, 190),
 }
+JUDGED: dict[str, Colour] = {"unlikely": (150, 150, 120), "outdone": (200, 120, 40)}
+DOUBTFUL: Colour = (240, 150, 30)
+SURE: Colour = (20, 120, 60)
+SURE_LOG_ODDS = 4.0
+"""From which on a door has the colour of a sure one; down to minus this, of a doubtful one."""
+RIVALS: Colour = (200, 60, 160)
 NODE: Colour = (236, 196, 30)
 EDGE_MIDDLE: Colour = (214, 50, 60)
 LINK: Colour = (200, 80, 80)
@@ -46,8 +53,16 @@ LINK: Colour = (200, 80, 80)
 BEST: Colour = (20, 150, 70)
 MEAN: Colour = (36, 92, 230)
 WORST: Colour = (150, 150, 150)
+BOUND: Colour = (200, 60, 160)
 
 GOLDEN_RATIO = 0.61803398875
+
+
+def odds(log_odds: float) -> Colour:
+    """From the colour of doubtful doors to that of sure ones."""
+    share = min(max(log_odds / SURE_LOG_ODDS, -1.0), 1.0) / 2 + 0.5
+    red, green, blue = (round(one + share * (other - one)) for one, other in zip(DOUBTFUL, SURE, strict=True))
+    return red, green, blue
 
 
 def room(number: int) -> Colour:

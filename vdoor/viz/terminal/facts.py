@@ -7,6 +7,9 @@ from collections.abc import Callable, Iterator
 import numpy as np
 
 from vdoor.history import SEARCH, History
+from vdoor.history.terms import terms_of
+from vdoor.stages.corners import Corners
+from vdoor.stages.doors import VERDICTS
 from vdoor.stages.trace import HEADINGS
 from vdoor.viz.terminal.show import summary
 from vdoor.viz.terminal.tables import flips, string
@@ -66,6 +69,9 @@ def _door(run: History, walk: Walk) -> Facts:
     if not count:
         yield "", "no virtual door was found"
         return
+    if not run.has(Corners):
+        yield from _plain_door(run, walk.door)
+        return
     fate = door_fate(run, walk.door)
     yield "door", f"{walk.door} of {count}, {fate.kind}"
     yield "verdict", fate.verdict
@@ -75,25 +81,34 @@ def _door(run: History, walk: Walk) -> Facts:
     yield "length", f"{fate.length_m:.4f} m (at most {fate.max_length_m:g})"
     yield "width", f"{fate.width_m:.4f} m free"
     yield "tilt", f"{fate.tilt_deg:.2f} deg"
-    between = "two contours" if fate.gap_m is None else f"{fate.gap_m:.3f} m (over {fate.least_gap_m:.3f} wanted)"
-    yield "path between", between
+    wanted = "" if fate.least_gap_m is None else f" (over {fate.least_gap_m:.3f} wanted)"
+    yield "path between", "two contours" if fate.gap_m is None else f"{fate.gap_m:.3f} m{wanted}"
     for line in list(door_lines(fate))[2:]:
         yield "", line.strip()
 
 
+def _plain_door(run: History, door: int) -> Facts:
+    """A virtual door of a baseline, which knows no corners."""
+    doors = run.doors
+    yield "door", f"{door} of {len(doors.verdict)}"
+    yield "verdict", VERDICTS[doors.verdict[door]]
+    for name, cell in (("from", doors.start[door]), ("to", doors.end[door])):
+        yield name, "{:.3f},{:.3f} m".format(*doors.frame.world_from_cell(cell)[0])
+    yield "length", f"{doors.length_m[door]:.4f} m"
+    yield "width", f"{doors.width_m[door]:.4f} m free"
+    yield "tilt", f"{np.degrees(doors.tilt_rad[door]):.2f} deg"
+
+
 def _generation(run: History, walk: Walk) -> Facts:
-    found, cost = run.search[walk.generation], run.pipeline.cost
+    found = run.search[walk.generation]
     yield "generation", f"{found.number} of {run.search[-1].number}"
     yield "evaluations", str(found.evaluations)
     yield "best cost", f"{found.best_cost:.6f}"
     yield "mean", f"{found.mean_cost:.6f}"
     yield "worst", f"{found.worst_cost:.6f}"
-    yield "NumSmallNode", f"{found.small_rooms} x {cost.small_weight:g} = {found.small_rooms * cost.small_weight:.6f}"
-    for name, value, weight, unit in (
-        ("AreaSD", found.area_sd_m2, cost.area_weight_per_m2, "m2"),
-        ("DegSD", found.tilt_sd_deg, cost.tilt_weight_per_deg, "deg"),
-    ):
-        yield name, f"{value:.6f} {unit} x {weight:g} = {value * weight:.6f}"
+    for term in terms_of(run, walk.generation):
+        value = str(term.value) if isinstance(term.value, int) else f"{term.value:.6f}"
+        yield term.name, f"{value} {term.unit}".strip() + f" x {term.weight:g} = {term.cost:.6f}"
     yield "doors", f"{int((~found.removed).sum())} kept, {int(found.removed.sum())} removed"
     yield "changed", flips(run, walk.generation) or "nothing"
     yield "best string", string(found.removed)
@@ -118,6 +133,8 @@ def _final(run: History, walk: Walk) -> Facts:
         return
     virtual = int(run.initial.door[edge])
     yield "virtual door", str(virtual)
+    if not run.has(Corners):
+        return
     for line in list(door_lines(door_fate(run, virtual)))[2:]:
         yield "", line.strip()
 
@@ -128,6 +145,7 @@ FACTS: dict[str, Callable[[History, Walk], Facts]] = {
     "candidates": _bend,
     "corners": _bend,
     "doors": _door,
+    "door_scores": _door,
     "initial_map": _door,
     SEARCH: _generation,
     "map": _final,

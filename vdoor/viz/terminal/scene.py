@@ -7,9 +7,12 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from vdoor.baselines.narrows import NARROW
 from vdoor.grid import FREE, OCCUPIED, UNKNOWN
 from vdoor.history import History
+from vdoor.stages.corners import Corners
 from vdoor.stages.doors import PROPOSED
+from vdoor.stages.score import JUDGEMENTS, LIKELY
 from vdoor.stages.simplify import REASONS
 from vdoor.viz.terminal.canvas import Canvas
 from vdoor.viz.terminal.plot import Curve, Plot
@@ -22,6 +25,7 @@ INK_OF_REASON = {
     "jut": "jut flattened",
     "notch": "notch filled",
     "island": "island removed",
+    "thin unknown": "thin unknown freed",
 }
 
 
@@ -33,7 +37,7 @@ def drawn(run: History, topic: str, generation: int = -1) -> Canvas:
     if topic == "map":
         return _drawn_map(run)
     canvas = Canvas.of(run.simplified.cells)
-    if topic == "generation":
+    if topic in ("generation", "certificate"):
         return _drawn_choice(run, canvas, generation)
     return DRAWN[topic](run, canvas)
 
@@ -64,10 +68,27 @@ def _drawn_corners(run: History, canvas: Canvas) -> Canvas:
 
 def _drawn_doors(run: History, canvas: Canvas) -> Canvas:
     doors = run.doors
-    _drawn_corners(run, canvas)
+    if run.has(Corners):
+        _drawn_corners(run, canvas)
     rejected = doors.verdict != PROPOSED
     canvas.line("rejected door", doors.start[rejected], doors.end[rejected])
     return canvas.paint("door", doors.line_cell)
+
+
+def _drawn_scores(run: History, canvas: Canvas) -> Canvas:
+    """Scored doors by their judgement, the likely ones over the others."""
+    scores, doors = run.scores, run.doors
+    for code, judgement in enumerate(JUDGEMENTS):
+        own = scores.door[scores.judgement == code]
+        canvas.line("door" if code == LIKELY else f"{judgement} door", doors.start[own], doors.end[own])
+    return canvas
+
+
+def _drawn_narrows(run: History, canvas: Canvas) -> Canvas:
+    narrows, doors = run.narrows, run.narrows.fate == NARROW
+    canvas.paint("path", run.skeleton.cell)
+    canvas.line("rejected door", narrows.start[~doors], narrows.end[~doors])
+    return canvas.line("door", narrows.start[doors], narrows.end[doors])
 
 
 def _drawn_initial(run: History, canvas: Canvas) -> Canvas:
@@ -107,6 +128,11 @@ DRAWN: dict[str, Callable[[History, Canvas], Canvas]] = {
     "candidates": _drawn_candidates,
     "corners": _drawn_corners,
     "doors": _drawn_doors,
+    "door_scores": _drawn_scores,
+    "skeleton": lambda run, canvas: canvas.paint("path", run.skeleton.cell),
+    "narrows": _drawn_narrows,
+    "eroded": lambda run, canvas: canvas.tint(run.eroded.core, run.eroded.core > 0),
+    "grown": lambda run, canvas: canvas.tint(run.grown.room, run.grown.room > 0),
     "initial_map": _drawn_initial,
 }
 

@@ -9,12 +9,15 @@ from numpy.typing import NDArray
 from rich.console import RenderableType
 from rich.text import Text
 
+from vdoor.baselines.narrows import FATES
 from vdoor.history import SEARCH, History
 from vdoor.stages.doors import VERDICTS
+from vdoor.stages.score import JUDGEMENTS
 from vdoor.stages.simplify import REASONS
 from vdoor.viz.terminal.picture import Picture
 from vdoor.viz.terminal.scene import drawn
 from vdoor.viz.terminal.tables import DETAILS, Limits, table
+from vdoor.why.text import percent
 
 TITLES = {
     "input": "the map as read",
@@ -24,8 +27,14 @@ TITLES = {
     "candidates": "samples that bend more than the threshold",
     "corners": "corners: the sharpest candidates nearby",
     "doors": "virtual doors, proposed and rejected",
+    "door_scores": "what speaks for and against each proposed door",
     "initial_map": "initial map: regions between the doors",
+    "skeleton": "skeleton: the middle of the free space",
+    "narrows": "narrow places of the skeleton",
+    "eroded": "what is left of the free space far from walls",
+    "grown": "rooms grown back from it",
     "generation": "search: which doors to remove",
+    "certificate": "what can be proven of the search's choice",
     "map": "rooms and doors",
 }
 
@@ -83,6 +92,25 @@ def _doors_summary(run: History) -> str:
     return ", ".join(f"{count[code]} {word}" for code, word in enumerate(VERDICTS) if count[code]) or "none"
 
 
+def _scores_summary(run: History) -> str:
+    scores = run.scores
+    count = np.bincount(scores.judgement, minlength=len(JUDGEMENTS)).tolist()
+    judged = ", ".join(f"{number} {word}" for number, word in zip(count, JUDGEMENTS, strict=True))
+    return f"{judged}; {len(scores.rival_a)} pairs of rivals; map {percent(scores.share_rough)} rough"
+
+
+def _certificate_summary(run: History) -> str:
+    found = run.certificate
+    if found.optimal:
+        return f"proven optimal: no choice costs less than {found.cost:.4f}"
+    return f"not proven optimal: cost {found.cost:.4f}, bound {found.lower_bound:.4f}, gap {found.gap:.4f}"
+
+
+def _narrows_summary(run: History) -> str:
+    count = np.bincount(run.narrows.fate, minlength=len(FATES))
+    return ", ".join(f"{count[code]} {word}" for code, word in enumerate(FATES) if count[code]) or "none"
+
+
 def _initial_summary(run: History) -> str:
     idle = f", {len(run.initial.idle_door)} idle" if len(run.initial.idle_door) else ""
     return f"{len(run.initial.area_m2)} regions, {len(run.initial.door)} doors{idle}"
@@ -106,8 +134,14 @@ SUMMARIES: dict[str, Callable[[History], str]] = {
     "candidates": lambda run: _convex_summary(run.candidates.convex),
     "corners": lambda run: _convex_summary(run.corners.convex),
     "doors": _doors_summary,
+    "door_scores": _scores_summary,
     "initial_map": _initial_summary,
+    "skeleton": lambda run: f"{len(run.skeleton.cell)} points",
+    "narrows": _narrows_summary,
+    "eroded": lambda run: f"{len(run.eroded.kept)} parts, {int(run.eroded.kept.sum())} of them cores of rooms",
+    "grown": lambda run: f"{run.grown.room.max()} rooms",
     "generation": _search_summary,
+    "certificate": _certificate_summary,
     "map": _map_summary,
 }
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,13 +13,12 @@ from rich.table import Table
 from rich.text import Text
 
 from vdoor.history import History
+from vdoor.history.terms import terms_of
 from vdoor.stages.doors import KINDS, PROPOSED, VERDICTS, VirtualDoors
 from vdoor.stages.rooms import InitialMap
 from vdoor.stages.simplify import REASONS
 from vdoor.viz.terminal.scene import cost_plot, curvature_plot
-
-Ints = NDArray[np.int32]
-
+from vdoor.why.scores import score_fate
 
 COURSE = ("generation", "evaluations", "best", "mean", "worst", "small", "AreaSD m2", "DegSD deg", "kept", "changes")
 
@@ -49,8 +49,8 @@ def _sizes(doors: VirtualDoors | InitialMap, row: int) -> list[str]:
     return [f"{doors.length_m[row]:.2f}", f"{doors.width_m[row]:.2f}", f"{tilt_deg:.1f}"]
 
 
-def point(run: History, cell: Ints) -> str:
-    """A working cell as x,y in metres."""
+def point(run: History, cell: NDArray[Any]) -> str:
+    """A place in working cells as x,y in metres."""
     x_m, y_m = run.simplified.frame.world_from_cell(cell)[0].tolist()
     return f"{x_m:.2f},{y_m:.2f}"
 
@@ -63,6 +63,7 @@ def _simplified_details(run: History, _: int | None, limits: Limits) -> Iterator
         "jut": "a short bump of a wall, free now",
         "notch": "a short dent of a wall, occupied now",
         "island": "an obstacle standing free, small enough to be furniture: free now",
+        "thin unknown": "unknown in a thin line with free space around it: free now",
     }
     del limits
     for word, means in meaning.items():
@@ -101,6 +102,42 @@ def _door_details(run: History, _: int | None, limits: Limits) -> Iterator[Rende
         rows.add_row(str(row), verdict, KINDS[doors.kind[row]], *_sizes(doors, row), *ends, corners)
     yield rows
     yield from _more(len(order), limits)
+
+
+def _score_details(run: History, _: int | None, limits: Limits) -> Iterator[RenderableType]:
+    """Scored doors, the likeliest first, each with the features that speak most for it and against it."""
+    scores = run.scores
+    order = np.argsort(-scores.log_odds.round(9), kind="stable")
+    rows = table("door", "judgement", "log-odds", "kind", "length m", "middle x,y m", "rivals", "for", "against")
+    for row in order[: limits.rows].tolist():
+        door = int(scores.door[row])
+        fate = score_fate(run, door)
+        assert fate is not None
+        word = Text(fate.judgement, style={"likely": "green", "outdone": "yellow"}.get(fate.judgement, "red"))
+        rows.add_row(
+            str(door),
+            word,
+            f"{fate.log_odds:+.2f}",
+            KINDS[run.doors.kind[door]],
+            f"{run.doors.length_m[door]:.2f}",
+            point(run, (run.doors.start[door] + run.doors.end[door]) / 2),
+            str(len(fate.rivals)),
+            *(
+                f"{said[0].feature} {said[0].log_odds:+.1f}" if said else ""
+                for said in (fate.reasons_for, fate.reasons_against)
+            ),
+        )
+    yield rows
+    yield from _more(len(order), limits)
+
+
+def _certificate_details(run: History, _: int | None, limits: Limits) -> Iterator[RenderableType]:
+    del limits
+    found = run.certificate
+    rows = table("cost", "no choice costs less than", "gap", "proven optimal")
+    numbers = (f"{number:.6f}" for number in (found.cost, found.lower_bound, found.gap))
+    rows.add_row(*numbers, Text("yes", style="green") if found.optimal else Text("no", style="yellow"))
+    yield rows
 
 
 def _initial_details(run: History, _: int | None, limits: Limits) -> Iterator[RenderableType]:
@@ -159,15 +196,13 @@ def string(removed: NDArray[np.bool_]) -> str:
 
 
 def terms(run: History, generation: int) -> Text:
-    """Eq. 7 of the best string of one generation, with its numbers in."""
-    found, cost = run.search[generation], run.pipeline.cost
-    parts = (
-        (cost.small_weight, found.small_rooms, "small rooms"),
-        (cost.area_weight_per_m2, found.area_sd_m2, "m2 AreaSD"),
-        (cost.tilt_weight_per_deg, found.tilt_sd_deg, "deg DegSD"),
-    )
-    text = Text(f"generation {found.number}: cost {found.best_cost:.6f} = ", style="bold")
-    return text.append(" + ".join(f"{weight:g} x {value:.6g} {name}" for weight, value, name in parts), "not bold")
+    """The cost of the best string of one generation, with its numbers in."""
+    found = run.search[generation]
+    text = Text(f"generation {found.number}: cost {found.best_cost:.6f} =", style="bold")
+    for at, term in enumerate(terms_of(run, generation)):
+        sign = "- " if term.weight < 0 else "+ " if at else ""
+        text.append(f" {sign}{abs(term.weight):g} x {term.value:.6g} {f'{term.unit} {term.name}'.strip()}", "not bold")
+    return text
 
 
 def _map_details(run: History, _: int | None, limits: Limits) -> Iterator[RenderableType]:
@@ -199,7 +234,9 @@ DETAILS: dict[str, Callable[[History, int | None, Limits], Iterator[RenderableTy
     "curvature": _curvature_details,
     "corners": _corner_details,
     "doors": _door_details,
+    "door_scores": _score_details,
     "initial_map": _initial_details,
     "generation": _search_details,
+    "certificate": _certificate_details,
     "map": _map_details,
 }

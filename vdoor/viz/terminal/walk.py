@@ -15,18 +15,18 @@ from vdoor.stages.doors import PROPOSED
 Ints = NDArray[np.int64]
 
 ELEMENT = {
-    "input": "",
-    "simplified": "",
     "path": "sample",
     "curvature": "sample",
     "candidates": "sample",
     "corners": "sample",
     "doors": "door",
+    "door_scores": "door",
     "initial_map": "door",
     SEARCH: "generation",
     "map": "final",
 }
-"""What the walker goes along in each stage: samples of the path, virtual doors, generations, doors of the final map."""
+"""What the walker goes along in a stage: samples of the path, virtual doors, generations, doors of the final map; in
+others there is nothing to go along."""
 NAMES = {"sample": "sample", "door": "door", "generation": "generation", "final": "door", "": ""}
 FOUND_IN = {
     "candidate": ("candidates", "sample"),
@@ -60,7 +60,7 @@ class Walk:
     @property
     def element(self) -> str:
         """What is walked along here."""
-        return ELEMENT[self.stage]
+        return ELEMENT.get(self.stage, "")
 
     @property
     def at(self) -> int:
@@ -86,6 +86,7 @@ def stops(run: History, stage: str) -> Ints:
         "candidates": lambda: run.candidates.sample,
         "corners": lambda: np.sort(run.corners.sample),
         "doors": lambda: np.arange(len(run.doors.verdict)),
+        "door_scores": lambda: run.scores.door,
         "initial_map": lambda: np.sort(run.initial.door),
         SEARCH: lambda: np.arange(len(run.search)),
         "map": lambda: np.arange(len(run.topology.kind)),

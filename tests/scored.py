@@ -1,0 +1,51 @@
+"""Runs with scored doors, by curves simple enough to know each score by hand."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+from maps import drawn
+from terminals import recorded
+from test_why import TWO_ROOMS
+
+from vdoor.pipeline import Pipeline
+from vdoor.stages.certify import BoundEnergy
+from vdoor.stages.cost import DoorEnergy
+from vdoor.stages.features import FEATURES
+from vdoor.stages.memetic import MemeticSearch
+from vdoor.stages.score import ScoreDoors
+from vdoor.stages.wide import ProposeWideDoors
+
+BIAS = -1.25
+CURVES = {
+    "length_m": ((0.5, 1.0, 2.0), (-1.0, 1.0, -0.25)),
+    "pair": ((0.0, 1.0), (1.0, 2.0)),
+    "same_contour": ((0.0, 1.0), (0.0, 0.75)),
+}
+"""All other features say nothing."""
+DOOR_SAYS = 2.0 + 1.0 + 0.75
+SINGLE_SAYS = 1.0 - 0.25 + 0.75
+
+
+def write_curves(path: Path, bias: float = BIAS) -> Path:
+    """A file as `vdoor train` writes it, ragged maps scored as others."""
+    curves: dict[str, Any] = {name: {"at": [0.0], "clean": [0.0], "rough": [0.0]} for name in FEATURES}
+    curves |= {name: {"at": at, "clean": says, "rough": says} for name, (at, says) in CURVES.items()}
+    rough = {"middle_per_m": 0.75, "softness": 0.25}
+    table = {"made": {}, "rough": rough, "bias": {"clean": bias, "rough": bias}, "curves": curves}
+    path.write_text(json.dumps(table))
+    return path
+
+
+def scored(folder: Path, **settings: Any) -> Path:
+    """The recording of a scored run on two rooms, whose door is pair 0; singles lead from its jambs into the rooms."""
+    pipeline = Pipeline(
+        doors=ProposeWideDoors(),
+        score=ScoreDoors(model=str(write_curves(folder / "curves.json")), **settings),
+        cost=DoorEnergy(bias=0.25),
+        search=MemeticSearch(),
+        certify=BoundEnergy(),
+    )
+    return recorded(folder, drawn(TWO_ROOMS), pipeline, preset="default")

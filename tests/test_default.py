@@ -1,0 +1,291 @@
+"""The preset `default`: wide virtual doors, their scores, the energy over them, its search and its certificate."""
+
+from __future__ import annotations
+
+import itertools
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+from maps import Cells, law, small_maps
+
+from vdoor.errors import SettingError
+from vdoor.grid import FREE, OccupancyGrid
+from vdoor.pipeline import PRESETS, Pipeline, run
+from vdoor.record import Record
+from vdoor.stages.certify import BoundEnergy, Certificate
+from vdoor.stages.corners import Corners
+from vdoor.stages.cost import DoorEnergy, MergeProblem
+from vdoor.stages.direction import wall_direction_rad
+from vdoor.stages.door_model import Curve, model_named, table_of
+from vdoor.stages.doors import KINDS, PROPOSED, VirtualDoors
+from vdoor.stages.features import FEATURES
+from vdoor.stages.flips import FlipState
+from vdoor.stages.memetic import MemeticSearch, greedy
+from vdoor.stages.rooms import InitialMap
+from vdoor.stages.score import JUDGEMENTS, LIKELY, DoorScores, ScoreDoors
+from vdoor.stages.search import Generation
+from vdoor.stages.simplify import REASONS, SimplifyGrid
+from vdoor.stages.trace import BoundaryPath
+from vdoor.synth import PRESETS as KINDS_OF_MAPS
+from vdoor.synth import Apartment, synthesize
+
+CELL_M = 0.05
+DEFAULT = PRESETS["default"]
+assert isinstance(DEFAULT, Pipeline)
+MOST_DOORS = 10
+
+
+def two_rooms(*, door: int = 18, side: int = 80, wall: int = 4) -> Cells:
+    """Two square rooms with an opening in the middle of the wall between them, in cells of 5 cm."""
+    cells = np.full((side + 2 * wall, 2 * side + 3 * wall), 100, np.int8)
+    cells[wall:-wall, wall : wall + side] = FREE
+    cells[wall:-wall, 2 * wall + side : -wall] = FREE
+    low = wall + (side - door) // 2
+    cells[low : low + door, wall + side : 2 * wall + side] = FREE
+    return cells
+
+
+def records_of(cells: Cells, pipeline: Pipeline = DEFAULT) -> dict[type[Record], Any]:
+    """The last record of each kind of a run."""
+    found: dict[type[Record], Any] = {}
+
+    def keep(record: Any) -> Any:
+        found[type(record)] = record
+        return record
+
+    pipeline(OccupancyGrid.from_array(cells, CELL_M), np.random.default_rng(0), keep)
+    return found
+
+
+def segments(doors: VirtualDoors) -> set[frozenset[tuple[int, int]]]:
+    """The proposed doors as pairs of cells, but for extensions, which depend on a fitted direction."""
+    own = (doors.verdict == PROPOSED) & (doors.kind != KINDS.index("extension"))
+    return {
+        frozenset({(a, b), (c, d)})
+        for (a, b), (c, d) in zip(doors.start[own].tolist(), doors.end[own].tolist(), strict=True)
+    }
+
+
+def problem_of(cells: Cells) -> MergeProblem:
+    """The choice among all proposed doors, likely or not, so that there is something to search."""
+    pipeline = Pipeline(
+        simplify=DEFAULT.simplify, doors=DEFAULT.doors, score=ScoreDoors(least_log_odds=-100), cost=DoorEnergy()
+    )
+    found = records_of(cells, pipeline)
+    return MergeProblem(found[InitialMap], DoorEnergy(), found[DoorScores])
+
+
+def all_choices(count: int) -> np.ndarray[Any, np.dtype[np.bool_]]:
+    """Every string (2^r, r)."""
+    return np.array(list(itertools.product([False, True], repeat=count)), np.bool_).reshape(2**count, count)
+
+
+def test_a_door_between_two_rooms_is_found_and_certified() -> None:
+    found = records_of(two_rooms())
+    result = run(OccupancyGrid.from_array(two_rooms(), CELL_M), "default")
+    assert (len(result.rooms), len(result.doors)) == (2, 1)
+    assert result.doors[0].width_m == pytest.approx(0.9, abs=0.01)
+    assert found[Certificate].optimal == 1
+    assert found[Certificate].gap == 0
+
+
+def test_a_hall_is_one_room() -> None:
+    cells = np.full((200, 300), 100, np.int8)
+    cells[2:-2, 2:-2] = FREE
+    cells[80:86, 100:106] = 100
+    result = run(OccupancyGrid.from_array(cells, CELL_M), "default")
+    assert (len(result.rooms), len(result.doors)) == (1, 0)
+
+
+@pytest.mark.parametrize("furniture", [False, True])
+@pytest.mark.parametrize("seed", [0, 1, 3, 4])  # in 2 a piece of wall stands free and goes as an island
+def test_apartments_come_out_as_drawn(seed: int, furniture: bool) -> None:
+    made = synthesize(Apartment(rooms=5, cell_m=0.05, furniture=furniture, windows=0), np.random.default_rng(seed))
+    result = run(made.grid, "default")
+    middles_m = np.array([np.add(door.start_m, door.end_m) / 2 for door in result.doors]).reshape(-1, 2)
+    hits = sum(
+        np.hypot(*(middles_m - np.add(door.start_m, door.end_m) / 2).T).min(initial=9.0) < 0.5 for door in made.doors
+    )
+    assert hits >= len(made.doors) - 1
+    assert len(result.doors) <= len(made.doors) + 1
+
+
+@pytest.mark.parametrize("kind", ["home", "office"])
+def test_virtual_doors_turn_and_mirror_with_the_map(kind: str) -> None:
+    """All but a few: pillars of one cell have no first sample that mirrors."""
+    cells = synthesize(KINDS_OF_MAPS[kind], np.random.default_rng(2)).grid.cells
+    pipeline = Pipeline(simplify=DEFAULT.simplify, doors=DEFAULT.doors)
+    width = cells.shape[1]
+    plain = segments(records_of(cells, pipeline)[VirtualDoors])
+    turned = segments(records_of(np.rot90(cells).copy(), pipeline)[VirtualDoors])
+    mirrored = segments(records_of(cells[:, ::-1].copy(), pipeline)[VirtualDoors])
+    as_turned = {frozenset((width - 1 - col, row) for row, col in ends) for ends in plain}
+    as_mirrored = {frozenset((row, width - 1 - col) for row, col in ends) for ends in plain}
+    for found, wanted in ((turned, as_turned), (mirrored, as_mirrored)):
+        assert len(found & wanted) >= 0.97 * len(found | wanted)
+
+
+@pytest.mark.parametrize("degrees", [0.0, 7.0, 20.0, 40.0])
+def test_the_walls_direction_is_that_of_the_map(degrees: float) -> None:
+    made = synthesize(Apartment(cell_m=0.05, rotation_deg=degrees, windows=0), np.random.default_rng(1))
+    path = records_of(made.grid.cells)[BoundaryPath]
+    found = np.degrees(-wall_direction_rad(path))  # rows run downwards
+    assert abs((found - degrees + 45) % 90 - 45) < 1.5
+
+
+def test_features_of_a_plain_door_are_what_one_measures() -> None:
+    found = records_of(two_rooms())
+    scores, doors = found[DoorScores], found[VirtualDoors]
+    best = int(np.argmax(scores.log_odds))
+    value = dict(zip(FEATURES, scores.feature[best].tolist(), strict=True))
+    assert scores.judgement[best] == LIKELY
+    assert value["length_m"] == pytest.approx(0.95, abs=0.01)  # centre to centre
+    assert value["pair"] + value["extension"] <= 1
+    assert value["in_wall_min_m"] == pytest.approx(0.3)
+    assert value["thick_max_m"] == pytest.approx(0.2, abs=0.051)
+    assert value["same_contour"] == 1
+    assert np.exp(value["cut_off_log"]) == pytest.approx(16, rel=0.05)  # m2 of a room
+    assert value["wider_min_m"] > 2
+    assert value["longer_than_rival_m"] < 0.01
+    assert len(scores.door) == np.count_nonzero(doors.verdict == PROPOSED)
+
+
+def test_rivals_cross_or_lie_near_each_other() -> None:
+    made = synthesize(KINDS_OF_MAPS["home"], np.random.default_rng(3))
+    found = records_of(made.grid.cells)
+    scores, doors = found[DoorScores], found[VirtualDoors]
+    likely = np.flatnonzero(scores.judgement == LIKELY)
+    pairs = set(zip(scores.rival_a.tolist(), scores.rival_b.tolist(), strict=True))
+    middle = (doors.start[scores.door] + doors.end[scores.door]) / 2 * CELL_M
+    for a, b in itertools.combinations(likely.tolist(), 2):
+        if np.hypot(*(middle[a] - middle[b])) < ScoreDoors().apart_m:
+            assert (a, b) in pairs
+    assert all(a < b and a in likely and b in likely for a, b in pairs)
+    outdone = scores.judgement == JUDGEMENTS.index("outdone")
+    assert np.count_nonzero(outdone) > 0
+
+
+@law
+@given(small_maps(), st.integers(0, 2**32 - 1))
+def test_flips_and_whole_choices_have_one_energy(cells: Cells, seed: int) -> None:
+    assume((cells == FREE).any())
+    problem = problem_of(cells)
+    assume(0 < problem.edges <= 60)
+    rng = np.random.default_rng(seed)
+    removed = rng.random(problem.edges) < 0.5
+    state = FlipState(problem, np.flatnonzero(removed).tolist())
+    for edge in rng.integers(problem.edges, size=10).tolist():
+        state.try_flip(edge, np.inf)
+    assert state.cost == problem.evaluate(np.array([state.removed])).cost[0]
+
+
+def small_problem(seed: int) -> MergeProblem:
+    """A home's choice with few doors."""
+    made = synthesize(KINDS_OF_MAPS["home"], np.random.default_rng(seed))
+    found = records_of(made.grid.cells)
+    return MergeProblem(found[InitialMap], DoorEnergy(), found[DoorScores])
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_the_search_finds_the_optimum_and_the_bound_lies_below_it(seed: int) -> None:
+    problem = small_problem(seed)
+    if problem.edges > MOST_DOORS:
+        pytest.skip(f"{problem.edges} doors are too many to try every choice")
+    optimum = float(problem.evaluate(all_choices(problem.edges)).cost.min())
+    best = list(MemeticSearch()(problem, np.random.default_rng(seed)))[-1]
+    certificate = BoundEnergy()(problem, best)
+    assert best.best_cost == pytest.approx(optimum, abs=1e-9)
+    assert certificate.lower_bound <= optimum + 1e-9
+    assert certificate.optimal == (certificate.gap <= 1e-6)
+
+
+def test_the_search_never_gets_worse_and_keeps_no_rivals() -> None:
+    problem = small_problem(11)
+    generations = list(MemeticSearch()(problem, np.random.default_rng(0)))
+    costs = [generation.best_cost for generation in generations]
+    assert costs == sorted(costs, reverse=True)
+    assert costs[0] <= problem.evaluate(greedy(problem)[None]).cost[0]
+    kept = ~generations[-1].removed
+    assert not (kept[problem.rivals[0]] & kept[problem.rivals[1]]).any()
+
+
+def test_a_small_room_costs_what_it_lacks() -> None:
+    energy = DoorEnergy()
+    problem = problem_of(two_rooms(side=24))  # rooms of 1.44 m2
+    open_, shut = problem.evaluate(np.array([[True] * problem.edges, [False] * problem.edges])).cost
+    assert open_ == 0
+    assert energy.lack_weight > 0
+    assert shut > -problem.gain.sum()
+
+
+def test_a_curve_is_straight_between_and_level_beyond() -> None:
+    curve = Curve((0.0, 1.0, 3.0), (0.0, 2.0, -2.0), (1.0, 1.0, 1.0))
+    assert curve.says(np.array([-5.0, 0.5, 2.0, 9.0]), 0.0).tolist() == [0, 1, 0, -2]
+    assert curve.says(np.array([0.5]), 0.5).tolist() == [1]
+
+
+def test_the_shipped_curves_are_for_these_features_and_say_how_they_were_made() -> None:
+    model = model_named("shipped")
+    assert tuple(model.curves) == FEATURES
+    assert model.made["command"].startswith("vdoor train")
+    assert model.made["labelled_maps"] == 0
+
+
+@pytest.mark.parametrize("text", ["", "[]", "{}", '{"curves": {}}', "{"])
+def test_a_file_without_curves_is_refused(tmp_path: Path, text: str) -> None:
+    path = tmp_path / "curves.json"
+    path.write_text(text)
+    with pytest.raises(SettingError, match=r"score\.model"):
+        model_named(str(path))
+    with pytest.raises(SettingError, match=r"score\.model"):
+        model_named(str(tmp_path / "none.json"))
+
+
+def test_curves_for_other_features_are_refused(tmp_path: Path) -> None:
+    table = table_of(model_named("shipped"))
+    table["curves"].pop("length_m")
+    path = tmp_path / "curves.json"
+    path.write_text(json.dumps(table))
+    with pytest.raises(SettingError, match="length_m"):
+        model_named(str(path))
+
+
+def test_thin_unknown_lines_are_free_and_long_ones_are_walls() -> None:
+    cells = np.full((60, 60), FREE, np.int8)
+    cells[[0, -1]] = cells[:, [0, -1]] = 100
+    cells[20, 10:20] = -1
+    cells[40, 1:59] = -1
+    found = SimplifyGrid(cell_m=0.0, thin_unknown_m=0.1)(OccupancyGrid.from_array(cells, CELL_M))
+    thin = REASONS.index("thin unknown")
+    assert (found.reason[20, 10:20] == thin).all()
+    assert (found.cells[20, 10:20] == FREE).all()
+    assert not (found.reason[40] == thin).any()
+
+
+def test_shut_rooms_are_kept_and_hollow_furniture_is_not() -> None:
+    cells = np.full((100, 140), 100, np.int8)
+    cells[2:98, 2:80] = FREE
+    cells[2:50, 84:138] = FREE  # 2.4 by 2.7 m behind a shut door
+    cells[60:70, 84:138] = FREE  # 0.5 by 2.7 m
+    kept = SimplifyGrid(cell_m=0.0, least_part_m2=1.0)(OccupancyGrid.from_array(cells, CELL_M)).cells == FREE
+    assert kept[10, 100]
+    assert not kept[65, 100]
+    alone = SimplifyGrid(cell_m=0.0)(OccupancyGrid.from_array(cells, CELL_M)).cells == FREE
+    assert not alone[10, 100]
+
+
+def test_equal_seeds_give_equal_generations() -> None:
+    problem = small_problem(5)
+    once, again = ([g.best_cost for g in MemeticSearch()(problem, np.random.default_rng(7))] for _ in range(2))
+    assert once == again
+
+
+def test_corners_and_generations_are_on_record() -> None:
+    found = records_of(two_rooms())
+    assert len(found[Corners].cell) == 12
+    assert found[Generation].removed.shape == found[InitialMap].door.shape

@@ -1,0 +1,222 @@
+"""The paper's figures and tables as this project finds them."""
+
+from __future__ import annotations
+
+import dataclasses
+import itertools
+from typing import Any
+
+import numpy as np
+import pytest
+from maps import stages, text_of
+from scipy.stats import binomtest
+
+from vdoor.baselines.voronoi_doors import everything_kept
+from vdoor.evidence import (
+    ENVIRONMENTS,
+    METHODS,
+    PRINTED,
+    SUB_CASES,
+    DoorCount,
+    apartments,
+    crossover,
+    measured_rates,
+    mutation,
+    sub_cases,
+    table_one,
+    walk_through,
+    walked,
+)
+from vdoor.evidence.doors_counted import Share, counted, middles_m
+from vdoor.evidence.sub_cases import shown
+from vdoor.evidence.table_one import Environment
+from vdoor.evidence.walk_through import PRINTED_SHARE, SHARE_OF_PRINTED
+from vdoor.goldens import CROSSING, drawing
+from vdoor.pipeline import run
+from vdoor.stages.cost import MapCost, MergeProblem
+from vdoor.stages.merge import MergeRooms
+from vdoor.synth import PRESETS as KINDS
+from vdoor.synth import synthesize
+
+DOORS_OF_CASES = {
+    # candidates, corners: concave and convex; doors between pairs and at single corners; final doors
+    "3b": ((16, 0), (4, 0), (0, 0), 0),
+    "3c, 3d": ((20, 1), (5, 1), (0, 0), 0),
+    "3e": ((32, 2), (8, 2), (1, 0), 1),
+    "3f": ((24, 1), (6, 1), (0, 1), 1),
+    "3g": ((32, 4), (8, 4), (4, 0), 1),
+}
+
+
+@pytest.mark.parametrize(
+    "case", [case for case in SUB_CASES if case.part in DOORS_OF_CASES], ids=lambda case: case.part
+)
+def test_each_part_of_figure_3_shows_what_it_is_there_for(case: Any) -> None:
+    counts = shown(case).counts
+    candidates = (counts.concave_candidates, counts.convex_candidates)
+    corners = (counts.concave_corners, counts.convex_corners)
+    found = (candidates, corners, (counts.pairs, counts.singles), counts.final_edges)
+    assert found == DOORS_OF_CASES[case.part]
+
+
+def test_figure_3a_removes_what_is_outside_and_what_is_shut_in() -> None:
+    part = sub_cases()[0]
+    outside = part.case.drawing.split()[1][12:]
+    assert "." in outside
+    assert all(set(line[12:]) == {"?"} for line in part.simplified.split())
+    assert part.simplified.split()[5] == "#...#??#...#??????"
+    assert part.counts.unreachable_cells == part.case.drawing.count(".") - part.simplified.count(".") == 12
+
+
+def test_figure_3b_has_a_corner_less_with_the_jut_flattened_than_with_it() -> None:
+    part = sub_cases()[1]
+    assert part.counts.jut_cells == 1
+    assert part.simplified.split()[-2] == "#.............#"
+    assert part.counts.convex_corners == 0
+    assert part.undone is not None
+    assert part.undone.convex_corners == 1
+
+
+def test_a_case_is_drawn_as_it_is_written() -> None:
+    for case in SUB_CASES:
+        assert text_of(case.grid.cells) == case.drawing
+
+
+def test_crossover_exchanges_the_bits_that_figure_4_exchanges_and_no_others() -> None:
+    found = crossover()
+    assert found.before == ("00000000", "11111111")
+    assert found.after == ("11000001", "00111110")
+    assert found.changed == (0, 1, 7)
+
+
+def test_mutation_turns_the_string_of_figure_4_into_its_result() -> None:
+    found = mutation()
+    assert found.before == ("0001011000",)
+    assert found.after == ("1001010000",)
+    assert [found.before[0][bit] for bit in found.changed] == ["0", "1"]
+
+
+def test_bits_change_as_often_as_printed() -> None:
+    rates = measured_rates()
+    for found, printed in ((rates.exchanged, 0.5), (rates.to_removed, 0.1), (rates.to_kept, 0.01)):
+        sigma = np.sqrt(printed * (1 - printed) / rates.bits)
+        assert abs(found - printed) < 4 * sigma
+
+
+def test_the_walk_through_ends_as_the_paper_does_and_the_search_finds_the_proven_optimum() -> None:
+    found = walk_through()
+    ours = {line.what: line.ours for line in found.lines}
+    assert ours["nodes of the final map"] == 4
+    assert ours["edges of the final map"] == 3
+    assert found.optimum_proven
+    assert found.search_space == 2 ** ours["edges of the initial map"]
+    assert found.counts.evaluations == 50 * (found.counts.best_generation + 1)
+    assert found.share_evaluated < 0.1
+
+
+def test_the_walk_through_is_of_the_printed_size_and_says_why_where_it_is_not() -> None:
+    for line in walk_through().lines:
+        assert line.printed / 2 <= line.ours <= line.printed * 2, line
+        assert line.note or abs(line.ours - line.printed) <= 1, line
+
+
+def test_the_papers_own_numbers_do_not_give_the_load_it_prints() -> None:
+    assert np.log2(SHARE_OF_PRINTED) == pytest.approx(-7.19, abs=0.01)
+    assert np.log2(PRINTED_SHARE) == -9
+
+
+def test_counts_are_those_of_the_run() -> None:
+    grid = SUB_CASES[-1].grid
+    walk = walked(grid, seed=3)
+    assert walk.counts.final_edges == len(run(grid, "paper", seed=3).doors)
+    assert len(walk.generations) == 51
+    assert walk.counts.virtual_doors == walk.counts.pairs + walk.counts.singles
+
+
+def test_printed_accuracies_are_those_of_table_1() -> None:
+    accuracies = [[round(PRINTED[case][name].accuracy.value, 2) for name in PRINTED[case]] for case in PRINTED]
+    assert accuracies == [[0.44, 0.57], [0.40, 1.00], [0.60, 1.00]]
+
+
+def test_environments_are_the_first_with_so_many_doors() -> None:
+    """So nobody chose them by what a method finds in them."""
+    for rooms, of_kind in itertools.groupby(ENVIRONMENTS, key=lambda environment: environment.rooms):
+        wanted = list(of_kind)
+        seeds = (
+            seed
+            for seed in itertools.count()
+            if len(dataclasses.replace(wanted[0], seed=seed).made.doors) == wanted[0].doors
+        )
+        assert [environment.seed for environment in wanted] == list(itertools.islice(seeds, len(wanted))), rooms
+    for environment in ENVIRONMENTS:
+        assert environment.doors == PRINTED[environment.name]["existing"].real
+
+
+@pytest.mark.parametrize("furniture", [False, True], ids=["empty", "furnished"])
+def test_table_1_the_proposed_method_finds_every_door_as_accurately_as_printed(*, furniture: bool) -> None:
+    for row in table_one(furniture=furniture):
+        proposed, printed = row.found["proposed"], row.printed["proposed"]
+        assert proposed.real == proposed.matched == row.environment.doors
+        assert proposed.accuracy.value >= printed.accuracy.value
+        assert all(proposed.accuracy.value >= other.accuracy.value for other in row.found.values())
+
+
+def test_table_1_furnished_the_voronoi_doors_are_as_wrong_as_printed() -> None:
+    found = sum((row.found["voronoi-doors"] for row in table_one(furniture=True)), DoorCount())
+    printed = sum((row.printed["existing"] for row in table_one(furniture=True)), DoorCount())
+    assert found.accuracy.value == pytest.approx(printed.accuracy.value, abs=0.1)
+
+
+def test_furniture_changes_no_door_of_an_environment() -> None:
+    for environment in ENVIRONMENTS:
+        assert dataclasses.replace(environment, furniture=True).made.doors == environment.made.doors
+
+
+@pytest.mark.parametrize("furniture", [False, True], ids=["empty", "furnished"])
+def test_over_apartments_the_proposed_method_is_above_both_stand_ins(*, furniture: bool) -> None:
+    study = apartments(30, furniture=furniture)
+    proposed = study.doors["proposed"]
+    assert proposed.found.value >= 0.98
+    assert proposed.accuracy.value >= 0.95
+    for name in set(METHODS) - {"proposed"}:
+        assert study.doors[name].accuracy.value < proposed.accuracy.value
+        assert study.doors[name].found.value <= proposed.found.value
+        assert study.complete[name] < study.complete["proposed"]
+
+
+def test_a_study_is_the_sum_of_its_apartments() -> None:
+    study = apartments(2, furniture=True)
+    kind = dataclasses.replace(KINDS["paper"], furniture=True)
+    made = [synthesize(dataclasses.replace(kind, rooms=4 + at), np.random.default_rng(1000 + at)) for at in range(2)]
+    for name, method in METHODS.items():
+        assert study.doors[name] == counted(made[0], method) + counted(made[1], method, seed=1)
+    assert apartments(2, furniture=True) == study
+
+
+@pytest.mark.parametrize(("part", "of"), [(0, 5), (5, 5), (3, 7), (772, 780)])
+def test_intervals_are_wilsons(part: int, of: int) -> None:
+    share = Share(part=part, of=of)
+    reference = binomtest(part, of).proportion_ci(0.95, method="wilson")
+    assert share.value == part / of
+    assert share.interval == pytest.approx((reference.low, reference.high), abs=1e-12)
+
+
+def test_nothing_has_no_share_and_any_interval() -> None:
+    assert np.isnan(DoorCount().accuracy.value)
+    assert DoorCount().found.interval == (0.0, 1.0)
+
+
+def test_a_door_between_more_than_two_rooms_is_counted_once() -> None:
+    """Where two passages cross and every virtual door is kept, the map has a row for each pair of rooms at a door."""
+    grid = drawing(CROSSING)()
+    stage = stages(grid)
+    problem = MergeProblem(stage.initial, MapCost())
+    found = MergeRooms()(grid, stage.simplified, stage.initial, everything_kept(problem), problem)
+    ends = {(door.start_m, door.end_m) for door in found.doors}
+    assert len(middles_m(found)) < len(found.doors)
+    assert len({tuple(np.add(*pair).round(6)) for pair in ends}) == len(middles_m(found))
+
+
+def test_an_environment_without_a_door_is_counted_too() -> None:
+    made = Environment(name="one room", rooms=1, doors=0, seed=0).made
+    assert counted(made, METHODS["proposed"]) == DoorCount(real=0, virtual=0, matched=0)

@@ -1,0 +1,114 @@
+"""Fitting the curves that score doors: what counts as real, and that the fit finds what is there."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from vdoor.pipeline import Pipeline
+from vdoor.stages.door_model import DoorModel, model_named
+from vdoor.stages.features import FEATURES
+from vdoor.synth import PRESETS, synthesize, write_synthetic
+from vdoor.train import Examples, RealDoors, default_pipeline, fitted, labelled_examples, synthetic_examples
+from vdoor.train.examples import judged
+from vdoor.train.fit import hat_basis, knots_of
+
+
+def door(unsure: bool = False) -> RealDoors:
+    """One real door, 0.9 m wide, along x around 5, 5."""
+    return RealDoors(np.array([[4.55, 5.0]]), np.array([[5.45, 5.0]]), np.array([0.9]), np.array([unsure]))
+
+
+@pytest.mark.parametrize(
+    ("start", "end", "label", "weight"),
+    [
+        ((4.5, 5.1), (5.5, 5.1), 1, 1),
+        ((4.5, 5.4), (5.5, 5.4), 0, 0),  # 0.4 m beside it: nobody asks
+        ((4.5, 5.6), (5.5, 5.6), 0, 1),
+        ((5.0, 4.5), (5.0, 5.5), 0, 0),  # across it
+        ((3.9, 5.0), (6.1, 5.0), 0, 0),  # much too long
+    ],
+)
+def test_what_counts_as_a_real_door(
+    start: tuple[float, float], end: tuple[float, float], label: int, weight: int
+) -> None:
+    found = judged(np.array([start]), np.array([end]), door())
+    assert (found[0][0], found[1][0]) == (label, weight)
+
+
+def test_near_an_unsure_door_nobody_asks() -> None:
+    near, far = judged(np.array([[4.5, 5.1], [4.5, 8.0]]), np.array([[5.5, 5.1], [5.5, 8.0]]), door(unsure=True))[1]
+    assert (near, far) == (0, 1)
+
+
+def test_shares_of_knots_interpolate() -> None:
+    at = knots_of(np.linspace(0.0, 1.0, 1001))
+    values = np.array([-1.0, 0.0, 0.3, 0.77, 2.0])
+    basis = hat_basis(values, at)
+    assert basis.sum(axis=1) == pytest.approx(np.ones(5))
+    assert basis @ at == pytest.approx(np.clip(values, at[0], at[-1]))
+
+
+def toy(seed: int, corners_per_m: float, sign: float) -> Examples:
+    """Doors that are real where their first feature is large (sign 1) or small (-1); the others say nothing."""
+    rng = np.random.default_rng(seed)
+    feature = rng.random((400, len(FEATURES)))
+    real = (sign * (feature[:, 0] - 0.5) > 0).astype(np.float64)
+    return Examples(feature, real, np.ones(400), corners_per_m)
+
+
+def test_the_fit_finds_what_is_there_in_clean_and_ragged_maps() -> None:
+    model = fitted([toy(0, 0.2, 1.0), toy(1, 2.5, -1.0)], {}, smooth=0.1, ridge=0.1, together=0.0)
+    rng = np.random.default_rng(2)
+    feature = rng.random((500, len(FEATURES)))
+    for corners_per_m, sign in ((0.2, 1.0), (2.5, -1.0)):
+        odds = model.log_odds(feature, model.share_rough(corners_per_m))
+        assert np.mean((odds > 0) == (sign * (feature[:, 0] - 0.5) > 0)) > 0.9
+    said = model.says(feature, 0.0)
+    assert np.abs(said[:, 0]).mean() > 5 * np.abs(said[:, 1:]).mean()
+
+
+def test_equal_seeds_give_equal_curves() -> None:
+    def curves(seed: int) -> DoorModel:
+        return fitted(list(synthetic_examples(2, 1, seed, default_pipeline())), {})
+
+    assert curves(1) == curves(1)
+    assert curves(1) != curves(2)
+
+
+def test_a_labelled_synthetic_map_gives_the_examples_of_its_truth(tmp_path: Path) -> None:
+    made = synthesize(PRESETS["paper-5cm"], np.random.default_rng(4))
+    write_synthetic(made, tmp_path / "flat", seed=4)
+    pipeline: Pipeline = default_pipeline()
+    (found,) = labelled_examples(tmp_path, tmp_path, pipeline)
+    assert found.real.sum() >= len(made.doors)
+
+
+def test_the_command_writes_curves_that_a_run_can_use(tmp_path: Path) -> None:
+    curves = tmp_path / "curves.json"
+    command = [str(Path(sys.executable).with_name("vdoor"))]
+    done = subprocess.run(
+        [*command, "train", "-o", str(curves), "--homes", "3", "--offices", "1"],
+        capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    assert "4 maps" in done.stdout
+    assert tuple(model_named(str(curves)).curves) == FEATURES
+    assert json.loads(curves.read_text())["made"]["command"] == "vdoor train --homes 3 --offices 1 --seed 0"
+    again = subprocess.run(
+        [*command, "train", "-o", str(curves), "--homes", "1"], capture_output=True, text=True, check=False
+    )
+    assert (again.returncode, again.stdout) == (2, "")
+    flat = Path(__file__).parent.parent / "recordings" / "flat.yaml"
+    ran = subprocess.run(
+        [*command, "run", str(flat), "-q", "--set", f"score.model={curves}"],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert ran.returncode == 0, ran.stderr

@@ -1,0 +1,12 @@
+"""What the paper compares with, "after [8]": two stand-ins that give the same kind of result as the method.
+
+The paper's reference [8] divides a map by virtual doors that it finds with a generalised Voronoi diagram and an eroded
+configuration space. Its details are not known here, so each idea is a baseline of its own.
+"""
+
+from vdoor.baselines.eroded_space import ErodedSpace, ErodedSpacePipeline, GrownRooms
+from vdoor.baselines.narrows import Narrows
+from vdoor.baselines.skeleton import Skeleton
+from vdoor.baselines.voronoi_doors import VoronoiDoorsPipeline
+
+__all__ = ["ErodedSpace", "ErodedSpacePipeline", "GrownRooms", "Narrows", "Skeleton", "VoronoiDoorsPipeline"]

@@ -1,0 +1,120 @@
+"""The second stand-in, after [8]: rooms are what is left of the free space far from walls, grown back."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Annotated, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+from skimage.measure import label as label_cells
+from skimage.segmentation import watershed
+
+from vdoor.baselines.clearance import clearance_m
+from vdoor.baselines.plain import map_of_labels
+from vdoor.config import Within
+from vdoor.emit import Emit, silent
+from vdoor.grid import FREE, OccupancyGrid
+from vdoor.record import Frame, Record, Spec
+from vdoor.stages.labels import at_input, flooded, numbered, whole
+from vdoor.stages.polygons import centres
+from vdoor.stages.runs import runs_of
+from vdoor.stages.simplify import SimplifiedGrid, SimplifyGrid
+from vdoor.topology import TopologicalMap
+
+EPSILON = 1e-9
+
+
+class ErodedSpace(Record):
+    """Where a robot far larger than the real one could stand: the cores of rooms."""
+
+    topic: ClassVar[str] = "eroded"
+
+    core: Annotated[NDArray[np.int32], Spec("labels", "height width")]
+    """4-connected components, 1 and up."""
+    centre: Annotated[NDArray[np.int32], Spec("cell", "part 2")]
+    area_m2: Annotated[NDArray[np.float64], Spec("column", "part", unit="m2", tolerance=1e-9)]
+    kept: Annotated[NDArray[np.bool_], Spec("column", "part")]
+    """Large enough to be the core of a room."""
+    frame: Frame
+
+
+class GrownRooms(Record):
+    """The cores that were kept, grown back until they meet."""
+
+    topic: ClassVar[str] = "grown"
+
+    room: Annotated[NDArray[np.int32], Spec("labels", "height width")]
+    frame: Frame
+
+
+@dataclass(frozen=True, kw_only=True)
+class ErodeSpace:
+    """Keep what is far from walls, in pieces large enough."""
+
+    radius_m: Annotated[float, Within(0, 20)] = 0.75
+    """Cells no farther than this from the centre of one that is not free are taken away."""
+    least_m2: Annotated[float, Within(0, 1e6)] = 0.5
+    """Pieces of at least this area are cores of rooms."""
+
+    def __call__(self, simplified: SimplifiedGrid) -> ErodedSpace:
+        """The pieces in reading order."""
+        eroded = clearance_m(simplified) > self.radius_m + EPSILON
+        core, count = label_cells(eroded, connectivity=1, return_num=True)
+        core = core.astype(np.int32)
+        area_m2 = runs_of(core).cells(count).astype(np.float64) * simplified.frame.resolution_m**2
+        return ErodedSpace(
+            core=core,
+            centre=centres(core, count),
+            area_m2=area_m2,
+            kept=area_m2 >= self.least_m2 - EPSILON,
+            frame=simplified.frame,
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class GrowRooms:
+    """Grow cores back over the free space, by a watershed of the distance to walls."""
+
+    def __call__(self, simplified: SimplifiedGrid, eroded: ErodedSpace) -> GrownRooms:
+        """A room for each core that was kept, meeting in the narrow places; all is one room where there is none."""
+        free = simplified.cells == FREE
+        number = np.append(0, np.cumsum(eroded.kept) * eroded.kept)
+        seeds = number[eroded.core] if eroded.kept.any() else free
+        room = watershed(-clearance_m(simplified), seeds.astype(np.int32), mask=free, connectivity=1)
+        return GrownRooms(room=np.asarray(room, np.int32), frame=simplified.frame)
+
+
+@dataclass(frozen=True, kw_only=True)
+class LabelRooms:
+    """Carry the rooms to the input's resolution; wherever two of them touch is a door."""
+
+    def __call__(self, grid: OccupancyGrid, simplified: SimplifiedGrid, grown: GrownRooms) -> TopologicalMap:
+        """Rooms in reading order; doors are as wide as their rooms' contact, and none is an edge of a search."""
+        labels = flooded(whole(at_input(grown.room, simplified.factor, grid.free)), grid.free)
+        labels, _ = numbered(labels, int(grown.room.max(initial=0)))
+        return map_of_labels(labels, grid)
+
+
+@dataclass(frozen=True, kw_only=True)
+class ErodedSpacePipeline:
+    """Erosion, the pieces that are left, and what they grow back to."""
+
+    simplify: SimplifyGrid = field(default_factory=SimplifyGrid)
+    erode: ErodeSpace = field(default_factory=ErodeSpace)
+    grow: GrowRooms = field(default_factory=GrowRooms)
+    label: LabelRooms = field(default_factory=LabelRooms)
+
+    @property
+    def records(self) -> tuple[type[Record], ...]:
+        """What a run emits, in this order."""
+        return OccupancyGrid, SimplifiedGrid, ErodedSpace, GrownRooms, TopologicalMap
+
+    def __call__(self, grid: OccupancyGrid, rng: np.random.Generator, emit: Emit = silent) -> TopologicalMap:
+        """Rooms and doors of `grid`; `emit` sees every stage's record on the way. Nothing is drawn from `rng`."""
+        del rng
+        emit(grid)
+        simplified = emit(self.simplify(grid))
+        eroded = emit(self.erode(simplified))
+        grown = emit(self.grow(simplified, eroded))
+        return emit(self.label(grid, simplified, grown))

@@ -1,0 +1,52 @@
+"""Records with nothing in them, and maps without virtual doors: what the baselines do without."""
+
+from __future__ import annotations
+
+from typing import Any, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vdoor.grid import OccupancyGrid
+from vdoor.record import Frame, Record, specs
+from vdoor.stages.corners import Corners
+from vdoor.stages.final_doors import contacts, passages_at
+from vdoor.stages.polygons import centres, polygons
+from vdoor.stages.runs import runs_of
+from vdoor.stages.trace import BoundaryPath
+from vdoor.topology import TopologicalMap
+
+Ints = NDArray[np.int32]
+R = TypeVar("R", bound=Record)
+
+
+def without_corners(frame: Frame) -> tuple[BoundaryPath, Corners]:
+    """A path without samples, and no corners on it."""
+    return BoundaryPath(**no_rows(BoundaryPath), on_cracks=0, frame=frame), Corners(**no_rows(Corners), frame=frame)
+
+
+def no_rows(record: type[Record]) -> dict[str, NDArray[Any]]:
+    """The tables of a type of record, all empty."""
+    return {
+        name: np.zeros([int(axis) if axis.isdigit() else 0 for axis in spec.axes], dtype)
+        for name, (spec, dtype) in specs(record).items()
+        if dtype is not None
+    }
+
+
+def map_of_labels(labels: Ints, grid: OccupancyGrid) -> TopologicalMap:
+    """The map of rooms (h, w) numbered 1, 2, ... without gaps; wherever two of them touch is a door."""
+    rooms = int(labels.max(initial=0))
+    vertex, vertex_room, vertex_ring = polygons(labels)
+    corners = {name: values for name, values in no_rows(TopologicalMap).items() if name.startswith("feature_")}
+    return TopologicalMap(
+        labels=labels,
+        centre=centres(labels, rooms),
+        area_m2=runs_of(labels).cells(rooms).astype(np.float64) * grid.frame.resolution_m**2,
+        **passages_at(*contacts(labels), grid.frame)._asdict(),
+        **corners,
+        vertex_m=grid.frame.world_from_cell(vertex - 0.5),
+        vertex_room=vertex_room,
+        vertex_ring=vertex_ring,
+        frame=grid.frame,
+    )

@@ -1,0 +1,40 @@
+"""The generalised Voronoi diagram of the free space, as the lines that thinning leaves of it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+from skimage.morphology import skeletonize
+
+from vdoor.baselines.clearance import clearance_m
+from vdoor.grid import FREE
+from vdoor.record import Frame, Record, Spec
+from vdoor.stages.simplify import SimplifiedGrid
+
+
+class Skeleton(Record):
+    """Lines one cell wide in the middle of the free space, cells in reading order."""
+
+    topic: ClassVar[str] = "skeleton"
+
+    cell: Annotated[NDArray[np.int32], Spec("cell", "point 2")]
+    clearance_m: Annotated[NDArray[np.float64], Spec("column", "point", unit="m", tolerance=1e-9)]
+    """To the centre of the nearest cell that is not free."""
+    frame: Frame
+
+
+@dataclass(frozen=True, kw_only=True)
+class DrawSkeleton:
+    """Thin the free space to its skeleton."""
+
+    def __call__(self, simplified: SimplifiedGrid) -> Skeleton:
+        """8-connected lines, with a branch towards every corner that thinning leaves one in."""
+        thin = np.asarray(skeletonize(np.pad(simplified.cells == FREE, 1)))[1:-1, 1:-1]
+        return Skeleton(
+            cell=np.argwhere(thin).astype(np.int32),
+            clearance_m=clearance_m(simplified)[thin],
+            frame=simplified.frame,
+        )

@@ -1,0 +1,103 @@
+"""The first stand-in, after [8]: doors wherever the Voronoi diagram passes between two walls close together."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from vdoor.baselines.narrows import NARROW, FindNarrows, Narrows
+from vdoor.baselines.plain import without_corners
+from vdoor.baselines.skeleton import DrawSkeleton, Skeleton
+from vdoor.emit import Emit, silent
+from vdoor.grid import FREE, OccupancyGrid
+from vdoor.record import Record
+from vdoor.stages.cost import MapCost, MergeProblem
+from vdoor.stages.doors import KINDS, PROPOSED, VERDICTS, Found, VirtualDoors, measures, without_duplicates
+from vdoor.stages.lines import lines_between
+from vdoor.stages.merge import MergeRooms
+from vdoor.stages.rooms import DivideRooms, InitialMap
+from vdoor.stages.search import Generation, summary
+from vdoor.stages.simplify import SimplifiedGrid, SimplifyGrid
+from vdoor.topology import TopologicalMap
+
+KIND = KINDS.index("pair")  # a door between two places, though they are no corners
+
+
+@dataclass(frozen=True, kw_only=True)
+class CrossNarrows:
+    """Lay a virtual door across each narrow place, from wall to wall."""
+
+    def __call__(self, simplified: SimplifiedGrid, narrows: Narrows) -> VirtualDoors:
+        """One for each narrow place with walls on both sides, in their order; corners are -1."""
+        free = simplified.cells == FREE
+        rows = np.flatnonzero(narrows.fate == NARROW)
+        start, end = narrows.start[rows], narrows.end[rows]
+        verdict = np.full(len(rows), PROPOSED, np.uint8)
+        clear, _, _ = lines_between(free, start, end)
+        verdict[~clear] = VERDICTS.index("blocked")
+        none = np.full((len(rows), 2), -1, np.int32)
+        verdict = without_duplicates(Found(start, end, np.full(len(rows), KIND, np.uint8), verdict, none))
+        proposed = np.flatnonzero(verdict == PROPOSED)
+        _, line_cell, owner = lines_between(free, start[proposed], end[proposed])
+        length_m, width_m, tilt_rad = measures(start, end, narrows.frame.resolution_m)
+        return VirtualDoors(
+            start=start,
+            end=end,
+            kind=np.full(len(rows), KIND, np.uint8),
+            verdict=verdict,
+            corner_start=none[:, 0],
+            corner_end=none[:, 1],
+            length_m=length_m,
+            width_m=width_m,
+            tilt_rad=tilt_rad,
+            line_cell=line_cell,
+            line_door=proposed[owner].astype(np.int32),
+            frame=narrows.frame,
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class VoronoiDoorsPipeline:
+    """Skeleton, narrow places, a door across each; every door that separates anything is kept."""
+
+    simplify: SimplifyGrid = field(default_factory=SimplifyGrid)
+    skeleton: DrawSkeleton = field(default_factory=DrawSkeleton)
+    narrows: FindNarrows = field(default_factory=FindNarrows)
+    cross: CrossNarrows = field(default_factory=CrossNarrows)
+    divide: DivideRooms = field(default_factory=DivideRooms)
+    cost: MapCost = field(default_factory=MapCost)
+    merge: MergeRooms = field(default_factory=MergeRooms)
+
+    @property
+    def records(self) -> tuple[type[Record], ...]:
+        """What a run emits, in this order."""
+        return (
+            OccupancyGrid,
+            SimplifiedGrid,
+            Skeleton,
+            Narrows,
+            VirtualDoors,
+            InitialMap,
+            Generation,
+            TopologicalMap,
+        )
+
+    def __call__(self, grid: OccupancyGrid, rng: np.random.Generator, emit: Emit = silent) -> TopologicalMap:
+        """Rooms and doors of `grid`; `emit` sees every stage's record on the way. Nothing is drawn from `rng`."""
+        del rng
+        emit(grid)
+        simplified = emit(self.simplify(grid))
+        skeleton = emit(self.skeleton(simplified))
+        narrows = emit(self.narrows(simplified, skeleton))
+        doors = emit(self.cross(simplified, narrows))
+        initial = emit(self.divide(simplified, *without_corners(simplified.frame), doors))
+        problem = MergeProblem(initial, self.cost)
+        choice = emit(everything_kept(problem))
+        return emit(self.merge(grid, simplified, initial, choice, problem))
+
+
+def everything_kept(problem: MergeProblem) -> Generation:
+    """The one choice there is without a search, and what it would cost in one."""
+    nothing_removed = np.zeros((1, problem.edges), np.bool_)
+    return summary(0, 1, nothing_removed, problem.evaluate(nothing_removed))

@@ -1,0 +1,57 @@
+"""`vdoor train`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from vdoor.cli.options import Force, Seed
+from vdoor.say import say
+
+
+def train(
+    *,
+    output: Annotated[Path, typer.Option("-o", "--output", metavar="FILE.json", help="The curves.")],
+    homes: Annotated[int, typer.Option(min=0, help="Synthetic homes.")] = 800,
+    offices: Annotated[int, typer.Option(min=0, help="Synthetic office floors.")] = 400,
+    seed: Seed = 0,
+    maps: Annotated[Path | None, typer.Option(metavar="DIR", help="Labelled maps of your own, as well.")] = None,
+    reference: Annotated[Path | None, typer.Option(metavar="REF", help="Their truth, as for `vdoor evaluate`.")] = None,
+    bare_map: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="The maps that label references were drawn on.")
+    ] = None,
+    resolution: Annotated[float | None, typer.Option(metavar="M", help="Metres a cell, for images.")] = None,
+    weight: Annotated[float, typer.Option(min=0, help="How much each of your maps counts.")] = 3.0,
+    force: Force = False,
+) -> None:
+    """Fit the curves that score doors; use them with --set score.model=FILE.json."""
+    import itertools
+
+    from vdoor import train as training
+    from vdoor.errors import SettingError
+    from vdoor.files import refuse_existing
+
+    if (maps is None) != (reference is None):
+        raise SettingError("train: wanted both --maps and --reference, or neither")
+    if homes + offices == 0 and maps is None:
+        raise SettingError("train: wanted maps, found none: --homes 0 and --offices 0")
+    refuse_existing([output], force=force)
+    pipeline = training.default_pipeline()
+    made = {"command": f"vdoor train --homes {homes} --offices {offices} --seed {seed}", "labelled_maps": 0}
+    found = []
+    parts = training.synthetic_examples(homes, offices, seed, pipeline)
+    if maps is not None and reference is not None:
+        own = training.labelled_examples(maps, reference, pipeline, bare=bare_map, resolution_m=resolution)
+        own = [training.weighted(part, weight) for part in own]
+        made["labelled_maps"] = len(own)
+        parts = itertools.chain(own, parts)
+    for part in parts:
+        found.append(part)
+        if len(found) % 50 == 0:
+            say(f"{len(found)} maps")
+    real = sum(int(part.real.sum()) for part in found)
+    said = sum(int((part.weight > 0).sum()) for part in found)
+    training.write_model(output, training.fitted(found, made | {"examples": said, "real_doors": real}))
+    print(f"{output}: {len(found)} maps, {said} virtual doors, {real} of them real")

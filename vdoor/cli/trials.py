@@ -1,0 +1,128 @@
+"""`vdoor ablate` and `vdoor robust`."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from vdoor.cli.evaluate import _notes_said
+from vdoor.cli.options import Json, Preset, Resolution, Seed, Set, chosen_pipeline, placed
+from vdoor.say import say
+
+if TYPE_CHECKING:
+    from vdoor.grid import OccupancyGrid
+    from vdoor.pipeline import AnyPipeline
+    from vdoor.trials import Choice, Row, Trial
+
+Maps = Annotated[Path, typer.Argument(metavar="MAPS", help="Folder of maps, or a map.")]
+Reference = Annotated[
+    Path, typer.Option("--reference", metavar="REF", help="True labels, rooms drawn white, doors in JSON; or folder.")
+]
+BareMap = Annotated[
+    Path | None, typer.Option(metavar="MAP", help="Unfurnished map that REF's rooms were drawn on, or a folder.")
+]
+FreeFrom = Annotated[
+    int | None, typer.Option(min=0, max=255, metavar="GREY", help="Cells are measured from this grey on.")
+]
+Only = Annotated[list[str] | None, typer.Option(metavar="TEXT", help="Maps with it in their name; repeatable.")]
+Exclude = Annotated[list[str] | None, typer.Option(metavar="TEXT", help="No maps with it in their name; repeatable.")]
+Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Nothing on stderr but errors.")]
+
+
+def ablate(
+    maps: Maps,
+    *,
+    reference: Reference,
+    bare_map: BareMap = None,
+    free_from: FreeFrom = None,
+    resolution: Resolution = None,
+    only: Only = None,
+    exclude: Exclude = None,
+    model: Annotated[
+        list[Path] | None, typer.Option(metavar="FILE", help="Also with these curves of `vdoor train`; repeatable.")
+    ] = None,
+    preset: Preset = "default",
+    set_: Set = None,
+    seed: Seed = 0,
+    as_json: Json = False,
+    quiet: Quiet = False,
+) -> None:
+    """Measure what each part of the recipe is worth, on maps whose rooms or doors are known."""
+    from vdoor.trials import Choice, ablation, report, variants_with
+
+    pipeline = chosen_pipeline(preset, None, set_)
+    variants, models = variants_with(model or ())
+    choice = Choice(
+        reference=reference, bare=bare_map, resolution_m=resolution, free_from=free_from,
+        only=only or (), exclude=exclude or (),
+    )  # fmt: skip
+    trials = _read(maps, choice, quiet=quiet)
+    found = ablation(trials, pipeline, variants=variants, models=models, seed=seed, place=_placed)
+    rows = _said(found, quiet=quiet)
+    if as_json:
+        print(json.dumps(report.document(rows, trials, preset, seed), indent=1, allow_nan=False))
+    else:
+        print("\n".join(report.table(rows, report.ABLATION, "variant")))
+
+
+def robust(
+    maps: Maps,
+    *,
+    reference: Reference,
+    bare_map: BareMap = None,
+    free_from: FreeFrom = None,
+    resolution: Resolution = None,
+    only: Only = None,
+    exclude: Exclude = None,
+    preset: Preset = "default",
+    set_: Set = None,
+    seed: Seed = 0,
+    as_json: Json = False,
+    quiet: Quiet = False,
+) -> None:
+    """Measure what doors lose on maps turned, in larger cells, and with noise on their walls."""
+    from vdoor.trials import Choice, report, robustness
+
+    pipeline = chosen_pipeline(preset, None, set_)
+    choice = Choice(
+        reference=reference, bare=bare_map, resolution_m=resolution, free_from=free_from,
+        only=only or (), exclude=exclude or (),
+    )  # fmt: skip
+    trials = _read(maps, choice, quiet=quiet)
+    rows = _said(robustness(trials, pipeline, seed=seed, place=_placed), quiet=quiet)
+    if as_json:
+        print(json.dumps(report.document(rows, trials, preset, seed), indent=1, allow_nan=False))
+    else:
+        print("\n".join(report.table(rows, report.ROBUSTNESS, "maps")))
+
+
+def _read(maps: Path, choice: Choice, *, quiet: bool) -> list[Trial]:
+    """Maps with references; those without, and what readers warn of, on stderr."""
+    from vdoor.trials import read_trials
+
+    with _notes_said(quiet=quiet):
+        found = read_trials(maps, choice)
+    for name in () if quiet else found.without_reference:
+        say(f"note: {name} has no reference and is not measured")
+    if not quiet:
+        say(f"{len(found.trials)} maps")
+    return found.trials
+
+
+def _placed(pipeline: AnyPipeline, grid: OccupancyGrid) -> AnyPipeline:
+    """The pipeline with the robot where the map's file says, as `vdoor run` has it."""
+    return placed(pipeline, grid, quiet=True)
+
+
+def _said(rows: Iterable[Row], *, quiet: bool) -> list[Row]:
+    """All rows; each on stderr as soon as it is there."""
+    found = []
+    for row in rows:
+        found.append(row)
+        if not quiet:
+            say(f"{row.name}: door F1 {row.figures['door_f1']:.3f}")
+    return found

@@ -1,0 +1,15 @@
+"""The paper's own evidence, done again: each function gives one figure or table as plain data."""
+
+from vdoor.evidence.apartments import Study, apartments
+from vdoor.evidence.doors_counted import METHODS, DoorCount
+from vdoor.evidence.genetic_operators import Operation, Rates, crossover, measured_rates, mutation
+from vdoor.evidence.sub_cases import SUB_CASES, SubCase, sub_cases
+from vdoor.evidence.table_one import ENVIRONMENTS, PRINTED, Environment, Row, table_one
+from vdoor.evidence.walk import Counts, Walk, walked
+from vdoor.evidence.walk_through import Line, WalkThrough, walk_through
+
+__all__ = [
+    "ENVIRONMENTS", "METHODS", "PRINTED", "SUB_CASES", "Counts", "DoorCount", "Environment", "Line", "Operation",
+    "Rates", "Row", "Study", "SubCase", "Walk", "WalkThrough", "apartments", "crossover", "measured_rates", "mutation",
+    "sub_cases", "table_one", "walk_through", "walked",
+]  # fmt: skip

@@ -1,0 +1,227 @@
+"""How each stage is drawn on the page: one function a record, and the table of them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vdoor.errors import MapError, RecordingError
+from vdoor.export.report.sheet import Layer, Sheet, colour_text, polygon, polyline, room_codes
+from vdoor.export.report.story import Story
+from vdoor.formats import read_annotations
+from vdoor.grid import FREE_TO, OCCUPIED_FROM, OccupancyGrid
+from vdoor.record import RASTERS, Frame, Record, specs, tables
+from vdoor.stages.corners import Candidates, Corners
+from vdoor.stages.curvature import Curvature
+from vdoor.stages.doors import KINDS, PROPOSED, VERDICTS, VirtualDoors
+from vdoor.stages.rooms import InitialMap
+from vdoor.stages.simplify import REASONS, SimplifiedGrid
+from vdoor.stages.trace import BoundaryPath
+from vdoor.viz.rerun import style
+
+Drawn = Iterator[Layer]
+FREE, BETWEEN, OCCUPIED = 1, 2, 3
+"""Unknown is 0: in the order in which they must not be lost where a raster is reduced."""
+CELLS: dict[int, tuple[style.Colour, str]] = {
+    0: (style.UNKNOWN, "unknown"),
+    FREE: (style.FREE, "free"),
+    BETWEEN: (style.BETWEEN, "between"),
+    OCCUPIED: (style.OCCUPIED, "occupied"),
+}
+REASON_COLOURS: dict[str, style.Glass] = {
+    "unreachable": style.UNREACHABLE,
+    "jut": style.JUT,
+    "notch": style.NOTCH,
+    "island": style.ISLAND,
+}
+OTHER: style.Colour = (160, 60, 140)
+"""For words that have no colour of their own."""
+ANGLES_DEG = (0.0, 60.0, 90.0, 120.0, 155.0, 170.0)
+ANGLE_COLOURS = ("#7f0000", "#c8301c", "#ee7a2b", "#f0b23c", "#e3d59a")
+"""Between these angles, the sharpest first; straight wall is left blank."""
+
+
+def layers(sheet: Sheet, story: Story | None) -> Iterator[Layer]:
+    """The layers of all that was recorded, in the order of the method; records nobody has drawn for are drawn too."""
+    if story is None:
+        return
+    for record in story.records.values():
+        yield from DRAW.get(type(record), draw_any)(sheet, record)
+        if isinstance(record, InitialMap) and len(story.search):
+            yield draw_search(sheet, record, story)
+
+
+def draw_input(sheet: Sheet, grid: OccupancyGrid) -> Drawn:
+    """The map as read, and where the robot must not go."""
+    yield _cells(sheet, grid, Layer("input", "Map as read", on=True))
+    try:
+        said = read_annotations(grid.source)
+    except MapError:  # the files of a recording can be any
+        said = None
+    if said is None:
+        return
+    layer = Layer("restrictions", "Restrictions in the map's file", on=True)
+    for word, colour, lines in (
+        ("virtual wall", style.VIRTUAL_WALL, said.virtual_walls_m),
+        ("no-go area", style.NO_GO, [(*area, area[0]) for area in said.no_go_areas_m]),
+        ("no-mop area", style.NO_MOP, [(*area, area[0]) for area in said.no_mop_areas_m]),
+    ):
+        paths = [polyline(sheet.world_points(np.array(line))) for line in lines]
+        layer.add_lines(paths, colour_text(colour), word, tips=[word] * len(paths), wide_px=3)
+    if layer.shapes:
+        yield layer
+
+
+def draw_simplified(sheet: Sheet, grid: SimplifiedGrid) -> Drawn:
+    """The working grid, and what was changed in it as a layer of its own."""
+    yield _cells(sheet, grid, Layer("simplified", f"Simplified grid, cells of {grid.frame.resolution_m:g} m"))
+    changed = Layer("changed", "What simplifying changed")
+    colours: dict[int, Sequence[int]] = {
+        code: REASON_COLOURS.get(word, OTHER) for code, word in enumerate(REASONS) if code
+    }
+    changed.picture = sheet.picture(grid.reason, colours, grid.frame)
+    counts = np.bincount(grid.reason.ravel(), minlength=len(REASONS)).tolist()
+    changed.key = [
+        (colour_text(colour), f"{REASONS[code]} ({counts[code]})") for code, colour in colours.items() if counts[code]
+    ]
+    yield changed
+
+
+def draw_path(sheet: Sheet, path: BoundaryPath) -> Drawn:
+    """The boundary, ring by ring."""
+    layer = Layer("path", "Boundary path")
+    points = sheet.points((path.half - 1) / 2, path.frame)
+    rings = np.split(points, path.first[1:])
+    for outer, word, colour in ((True, "around free space", style.BOUNDARY), (False, "around islands", style.NOTCH)):
+        own = [polygon([ring]) for ring, is_outer in zip(rings, path.outer, strict=True) if is_outer == outer]
+        layer.add_lines(own, colour_text(colour), f"{word} ({len(own)})")
+    yield layer
+
+
+def draw_curvature(sheet: Sheet, curvature: Curvature) -> Drawn:
+    """Samples by how sharply the wall bends there."""
+    layer = Layer("curvature", "Curvature: angle along the boundary")
+    points, angle_deg = sheet.points(curvature.cell, curvature.frame), np.degrees(curvature.angle_rad)
+    limits = zip(ANGLES_DEG[:-1], ANGLES_DEG[1:], ANGLE_COLOURS, strict=True)
+    for lower, upper, colour in reversed(list(limits)):
+        own = (angle_deg >= lower) & (angle_deg < upper)
+        layer.add_dots(points[own], colour, f"{lower:g}° to {upper:g}°", wide_px=4)
+    yield layer
+
+
+def draw_bends(sheet: Sheet, bends: Candidates | Corners) -> Drawn:
+    """Candidates or corner features by their kind."""
+    is_corners = isinstance(bends, Corners)
+    layer = Layer(bends.topic, "Corner features" if is_corners else "Candidates for corners")
+    cells = bends.quarter / 4 - 0.5 if isinstance(bends, Corners) else bends.cell
+    points, angle_deg = sheet.points(cells, bends.frame), np.degrees(bends.angle_rad)
+    for convex, word, colour in ((True, "convex", style.CONVEX), (False, "concave", style.CONCAVE)):
+        own = np.flatnonzero(bends.convex == convex)
+        name = "corner" if is_corners else "candidate"
+        tips = [f"{name} {row}: {word}, {angle_deg[row]:.1f}°" for row in own.tolist()]
+        told = f"{word} ({len(own)})"
+        layer.add_dots(points[own], colour_text(colour), told, tips=tips, wide_px=8 if is_corners else 4)
+    yield layer
+
+
+def draw_doors(sheet: Sheet, doors: VirtualDoors) -> Drawn:
+    """Proposed doors, and rejected ones with their reason in a layer of their own."""
+    proposed, rejected = Layer("doors", "Virtual doors"), Layer("rejected", "Rejected doors")
+    paths = sheet.segments(doors.start, doors.end, doors.frame)
+    for code, verdict in enumerate(VERDICTS):
+        own = np.flatnonzero(doors.verdict == code).tolist()
+        tips = [f"virtual door {row}: {verdict}, {doors.width_m[row]:.2f} m, {KINDS[doors.kind[row]]}" for row in own]
+        colour = style.DOOR if code == PROPOSED else style.REJECTED.get(verdict, OTHER)
+        layer, wide_px = (proposed, 3) if code == PROPOSED else (rejected, 1.5)
+        told = f"{verdict} ({len(own)})"
+        layer.add_lines([paths[row] for row in own], colour_text(colour), told, tips=tips, wide_px=wide_px)
+    yield proposed
+    yield rejected
+
+
+def draw_initial(sheet: Sheet, initial: InitialMap) -> Drawn:
+    """Regions between all virtual doors."""
+    layer = Layer(initial.topic, f"Initial map: {len(initial.area_m2)} regions")
+    codes, colours = room_codes(initial.piece)
+    layer.picture = sheet.picture(codes, colours, initial.frame)
+    yield layer
+
+
+def draw_search(sheet: Sheet, initial: InitialMap, story: Story) -> Layer:
+    """The doors that the search chose among; the page colours them by the choice of each generation."""
+    if story.search.edges != len(initial.door):
+        found = f"generation.removed: wanted a choice for each of {len(initial.door)} doors"
+        raise RecordingError(f"{found}, found {story.search.edges}")
+    layer = Layer("search", "Search: doors kept and removed")
+    kept = ~story.search[-1].removed
+    tips = [
+        f"edge {edge} of the search, virtual door {door}: {initial.width_m[edge]:.2f} m"
+        for edge, door in enumerate(initial.door.tolist())
+    ]
+    for path, tip, keeps in zip(sheet.segments(initial.start, initial.end, initial.frame), tips, kept, strict=True):
+        colour = style.KEPT if keeps else style.REMOVED
+        layer.shapes.append({"d": path, "tip": tip, "colour": colour_text(colour), "wide": 3 if keeps else 2})
+    layer.key = [(colour_text(style.KEPT), "kept"), (colour_text(style.REMOVED), "removed")]
+    layer.note = "in the generation chosen below the map"
+    return layer
+
+
+def draw_any(sheet: Sheet, record: Record) -> Drawn:
+    """A record nobody has drawn for: its rasters as pictures, the rows that lie in cells as dots."""
+    frame = getattr(record, "frame", None)
+    if not isinstance(frame, Frame):
+        return
+    title = record.topic.replace("_", " ")
+    for name, (spec, _) in specs(type(record)).items():
+        if spec.kind in RASTERS:
+            codes, colours = room_codes(np.asarray(getattr(record, name), np.int32))
+            picture = sheet.picture(codes, colours, frame)
+            yield Layer(f"{record.topic}-{name}", f"{title}: {name}".capitalize(), picture=picture)
+    for table, columns in tables(type(record)).items():
+        places = [name for name in columns if specs(type(record))[name][0].kind == "cell"]
+        if places and len(getattr(record, places[0])):
+            layer = Layer(f"{record.topic}-{table}", f"{title}: {table}".capitalize())
+            points = sheet.points(getattr(record, places[0]), frame)
+            layer.add_dots(points, colour_text(OTHER), f"{table} ({len(points)})", tips=_rows(record, table), wide_px=7)
+            yield layer
+
+
+def _rows(record: Record, table: str) -> list[str]:
+    """What each row of a table says in its columns of one value each."""
+    told: list[list[str]] = []
+    for name in tables(type(record))[table]:
+        values: NDArray[Any] = getattr(record, name)
+        spec = specs(type(record))[name][0]
+        if values.ndim == 1:
+            words = np.array(spec.words)[values] if spec.words else values
+            texts = (f"{value:.4g}" if isinstance(value, float) else str(value) for value in words.tolist())
+            told.append([f"{name} {text} {spec.unit}".rstrip() for text in texts])
+    return [f"{table} {row}: {', '.join(texts)}" for row, texts in enumerate(zip(*told, strict=True))]
+
+
+def _cells(sheet: Sheet, grid: OccupancyGrid | SimplifiedGrid, layer: Layer) -> Layer:
+    """The layer with the cells of a grid by what they are."""
+    codes = np.full(grid.cells.shape, BETWEEN, np.uint8)
+    unsigned = grid.cells.view(np.uint8)  # unknown, -1, is 255 here
+    codes[unsigned > np.iinfo(np.int8).max] = 0
+    codes[unsigned <= FREE_TO] = FREE
+    codes[grid.cells >= OCCUPIED_FROM] = OCCUPIED
+    layer.picture = sheet.picture(codes, {code: colour for code, (colour, _) in CELLS.items()}, grid.frame)
+    there = np.unique(codes).tolist()
+    layer.key = [(colour_text(CELLS[code][0]), CELLS[code][1]) for code in there]
+    return layer
+
+
+DRAW: Mapping[type[Record], Callable[[Sheet, Any], Drawn]] = {
+    OccupancyGrid: draw_input,
+    SimplifiedGrid: draw_simplified,
+    BoundaryPath: draw_path,
+    Curvature: draw_curvature,
+    Candidates: draw_bends,
+    Corners: draw_bends,
+    VirtualDoors: draw_doors,
+    InitialMap: draw_initial,
+}

@@ -1,0 +1,135 @@
+"""What layers of the page are made of: pictures and shapes, in cells of the map from its upper left corner."""
+
+from __future__ import annotations
+
+import base64
+import io
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image
+from skimage.measure import block_reduce
+
+from vdoor.record import Frame
+from vdoor.viz.rerun import style
+
+Floats = NDArray[np.float64]
+Key = Sequence[tuple[str, str]]
+"""What colours mean: pairs of colour and words."""
+LARGEST_SIDE_PX = 8192
+"""Larger pictures are reduced."""
+MOST_TOLD = 4000
+"""Shapes of a layer that tell their numbers under the pointer; more of them are drawn without."""
+COLOURS = 256
+
+
+@dataclass
+class Layer:
+    """One switch of the page and what it shows: a picture under the rooms, shapes above them."""
+
+    id: str
+    name: str
+    on: bool = False
+    picture: dict[str, Any] | None = None
+    shapes: list[dict[str, Any]] = field(default_factory=list)
+    key: list[tuple[str, str]] = field(default_factory=list)
+    note: str = ""
+
+    def add_lines(
+        self, paths: Sequence[str], colour: str, word: str, *, tips: Sequence[str] = (), wide_px: float = 1.5
+    ) -> None:
+        """Lines of one colour, each with what it tells under the pointer, where they are not too many for that."""
+        if not paths:
+            return
+        self.key.append((colour, word))
+        look = {"colour": colour, "wide": wide_px}
+        if tips and len(paths) <= MOST_TOLD:
+            self.shapes += [look | {"d": path, "tip": tip} for path, tip in zip(paths, tips, strict=True)]
+        else:
+            self.shapes.append(look | {"d": "".join(paths)})
+
+    def add_dots(self, points: Floats, colour: str, word: str, *, tips: Sequence[str] = (), wide_px: float = 5) -> None:
+        """Dots at points (k, 2) as x, y."""
+        paths = [f"M{place}h0" for place in _places(points)]
+        self.add_lines(paths, colour, word, tips=tips, wide_px=wide_px)
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """The map that all is drawn on."""
+
+    frame: Frame
+
+    def points(self, cells: NDArray[Any], frame: Frame) -> Floats:
+        """Cells (k, 2) as row, col of any frame as x, y on the sheet; whole numbers are cell centres."""
+        return self.world_points(frame.world_from_cell(cells))
+
+    def world_points(self, points_m: NDArray[Any]) -> Floats:
+        """Points (k, 2) of the map frame as x, y on the sheet."""
+        return self.frame.cell_from_world(points_m)[:, ::-1] + 0.5
+
+    def segments(self, start: NDArray[Any], end: NDArray[Any], frame: Frame) -> list[str]:
+        """A path for each segment between cells (k, 2)."""
+        ends = zip(_places(self.points(start, frame)), _places(self.points(end, frame)), strict=True)
+        return [f"M{one}L{other}" for one, other in ends]
+
+    def picture(self, raster: NDArray[Any], colours: Mapping[int, Sequence[int]], frame: Frame) -> dict[str, Any]:
+        """A raster (h, w) of codes as a picture, and where it lies; codes without a colour are clear.
+
+        A square of cells that is too small to be seen has its highest code.
+        """
+        by = -(-max(raster.shape) // LARGEST_SIDE_PX)
+        codes = block_reduce(raster, by, np.max) if by > 1 else raster  # type: ignore[no-untyped-call]  # has no types
+        whole = np.array([[-0.5, -0.5], [codes.shape[0] * by - 0.5, codes.shape[1] * by - 0.5]])
+        (left, top), (right, bottom) = self.points(whole, frame).round(6).tolist()
+        place = {"x": left, "y": top, "width": right - left, "height": bottom - top}
+        return place | {"href": data_uri(codes.astype(np.uint8), colours)}
+
+
+def polygon(rings: Iterable[Floats]) -> str:
+    """A path of closed rings, each of points (k, 2) as x, y."""
+    return "".join(f"M{'L'.join(_places(_turns(ring)))}Z" for ring in rings if len(ring))
+
+
+def polyline(points: Floats) -> str:
+    """A path from point to point (k, 2), as x, y."""
+    return f"M{'L'.join(_places(points))}"
+
+
+def room_codes(labels: NDArray[np.int32]) -> tuple[NDArray[np.int32], dict[int, Sequence[int]]]:
+    """Labels as codes of a byte, 0 as it is, and a colour for each."""
+    codes = np.where(labels > 0, (labels - 1) % (COLOURS - 1) + 1, 0)
+    return codes, {code: style.room(code) for code in range(1, min(int(labels.max(initial=0)), COLOURS - 1) + 1)}
+
+
+def data_uri(codes: NDArray[np.uint8], colours: Mapping[int, Sequence[int]]) -> str:
+    """A PNG (h, w) with a palette, as an address that holds it."""
+    look = np.zeros((COLOURS, 4), np.uint8)
+    for code, colour in colours.items():
+        look[code] = (*colour, 255)[:4]
+    image = Image.fromarray(codes)
+    image.putpalette(look[:, :3].tobytes())
+    buffer = io.BytesIO()
+    image.save(buffer, format="png", transparency=look[:, 3].tobytes())
+    return f"data:image/png;base64,{base64.b64encode(buffer.getvalue()).decode()}"
+
+
+def colour_text(colour: Sequence[int]) -> str:
+    """A colour as CSS has it; how clear it is, is left aside."""
+    return "#{:02x}{:02x}{:02x}".format(*colour[:3])
+
+
+def _turns(ring: Floats) -> Floats:
+    """The points of a closed ring at which it turns; all of one that never does."""
+    ring = ring[:-1] if len(ring) > 1 and (ring[0] == ring[-1]).all() else ring
+    along, onward = ring - np.roll(ring, 1, axis=0), np.roll(ring, -1, axis=0) - ring
+    turned = np.abs(along[:, 0] * onward[:, 1] - along[:, 1] * onward[:, 0]) > 1e-9  # noqa: PLR2004  # square cells
+    turned |= (along * onward).sum(axis=1) < 0
+    return ring[turned] if turned.any() else ring
+
+
+def _places(points: Floats) -> Iterator[str]:
+    return (f"{x:.7g} {y:.7g}" for x, y in points.round(3).tolist())

@@ -1,0 +1,117 @@
+"""How likely a virtual door is a real one: a sum of one curve a feature, fitted beforehand (`vdoor train`)."""
+
+from __future__ import annotations
+
+import functools
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vdoor.errors import SettingError
+from vdoor.stages.features import FEATURES
+
+Floats = NDArray[np.float64]
+SHIPPED = "shipped"
+FILE = "door_score.json"
+
+
+@dataclass(frozen=True)
+class Curve:
+    """What a feature's value says: log-odds at a few values, straight in between and level beyond."""
+
+    at: tuple[float, ...]
+    clean: tuple[float, ...]
+    """Where the map is drawn or neatly scanned."""
+    rough: tuple[float, ...]
+    """Where walls are ragged and furniture stands about."""
+
+    def says(self, values: Floats, share_rough: float) -> Floats:
+        """Log-odds (k,) for values (k,)."""
+        both = np.array(self.clean) * (1 - share_rough) + np.array(self.rough) * share_rough
+        return np.interp(values, self.at, both)
+
+
+@dataclass(frozen=True)
+class DoorModel:
+    """Curves by feature; their sum and the bias are the log-odds of a door."""
+
+    curves: Mapping[str, Curve]
+    bias_clean: float
+    bias_rough: float
+    middle_per_m: float
+    """Corners per metre of boundary at which a map counts as half rough."""
+    softness: float
+    """How far from that, as a factor's logarithm, the share of rough changes by one unit of log-odds."""
+    made: Mapping[str, Any]
+    """By which command, from which maps and seed."""
+
+    def share_rough(self, corners_per_m: float) -> float:
+        """How much a map counts as rough, 0 to 1."""
+        away = math.log(max(corners_per_m, 1e-3) / self.middle_per_m) / self.softness
+        return 1 / (1 + math.exp(-min(max(away, -30.0), 30.0)))
+
+    def bias(self, share_rough: float) -> float:
+        """Log-odds of a door of which nothing is known."""
+        return self.bias_clean * (1 - share_rough) + self.bias_rough * share_rough
+
+    def says(self, features: Floats, share_rough: float) -> Floats:
+        """What each feature says (k, features), in the order of `curves`."""
+        columns = [curve.says(features[:, at], share_rough) for at, curve in enumerate(self.curves.values())]
+        return np.stack(columns, axis=1) if columns else np.zeros((len(features), 0))
+
+    def log_odds(self, features: Floats, share_rough: float) -> Floats:
+        """Log-odds (k,) that doors with these features (k, features) are real."""
+        return np.asarray(self.says(features, share_rough).sum(axis=1) + self.bias(share_rough))
+
+
+def model_from(table: Mapping[str, Any]) -> DoorModel:
+    """The model in a table as `table_of` makes it."""
+    if tuple(table["curves"]) != FEATURES:
+        other = sorted({*FEATURES} ^ {*table["curves"]})
+        raise ValueError(f"curves for other features: {', '.join(other[:3]) or 'in another order'}")
+    curves = {
+        name: Curve(tuple(curve["at"]), tuple(curve["clean"]), tuple(curve["rough"]))
+        for name, curve in table["curves"].items()
+    }
+    return DoorModel(
+        curves,
+        table["bias"]["clean"],
+        table["bias"]["rough"],
+        table["rough"]["middle_per_m"],
+        table["rough"]["softness"],
+        table["made"],
+    )
+
+
+def table_of(model: DoorModel) -> dict[str, Any]:
+    """The model as a table for JSON, how it was made first."""
+    return {
+        "made": dict(model.made),
+        "rough": {"middle_per_m": model.middle_per_m, "softness": model.softness},
+        "bias": {"clean": model.bias_clean, "rough": model.bias_rough},
+        "curves": {
+            name: {"at": list(curve.at), "clean": list(curve.clean), "rough": list(curve.rough)}
+            for name, curve in model.curves.items()
+        },
+    }
+
+
+@functools.cache
+def model_named(name: str) -> DoorModel:
+    """The shipped model, or the one in a file; SettingError where that is none, or has curves for other features."""
+    try:
+        place = resources.files("vdoor.stages").joinpath(FILE) if name == SHIPPED else Path(name)
+        return model_from(json.loads(place.read_text(encoding="utf-8")))
+    except OSError as error:
+        raise SettingError(
+            f"score.model: wanted {SHIPPED!r} or a readable file, found {error.strerror}: {name}"
+        ) from error
+    except (ValueError, KeyError, TypeError, AttributeError) as error:
+        raise SettingError(f"score.model: wanted curves as `vdoor train` writes them, found {error}: {name}") from error

@@ -1,0 +1,80 @@
+"""A genetic search whose best child learns: one record a generation, as in section III, but from a greedy start."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Annotated
+
+import numpy as np
+
+from vdoor.config import Within
+from vdoor.stages.cost import Bits, Costs, MergeProblem
+from vdoor.stages.flips import FlipState
+from vdoor.stages.search import Generation, summary
+
+
+@dataclass(frozen=True, kw_only=True)
+class MemeticSearch:
+    """Uniform crossover, one mutation a string, and local search on the best child of each generation."""
+
+    population: Annotated[int, Within(2, 100_000)] = 16
+    generations: Annotated[int, Within(0, 1_000_000)] = 50
+    patience: Annotated[int, Within(1, 1_000_000)] = 5
+    """The search ends after so many generations without a better string."""
+
+    def __call__(self, problem: MergeProblem, rng: np.random.Generator) -> Iterator[Generation]:
+        """Generation 0 is the greedy choice and strings near it; survivors are the best different strings."""
+        first = greedy(problem)
+        near = rng.random((self.population - 1, problem.edges)) < 2 / max(problem.edges, 2)
+        strings = np.concatenate([first[None], first ^ near])
+        costs = problem.evaluate(strings)
+        evaluations = len(strings)
+        yield summary(0, evaluations, strings, costs)
+        best, since = float(costs.cost.min()), 0
+        for number in range(1, self.generations + 1):
+            children = self._children(strings, rng)
+            learned = climbed(problem, children[np.argmin(problem.evaluate(children).cost)])
+            strings = np.unique(np.concatenate([strings, children, learned[None]]), axis=0)
+            costs = problem.evaluate(strings)
+            evaluations += 2 * len(children) + problem.edges
+            fittest = np.argsort(costs.cost, kind="stable")[: self.population]
+            strings, costs = strings[fittest], Costs(*(term[fittest] for term in costs))
+            yield summary(number, evaluations, strings, costs)
+            since = 0 if costs.cost[0] < best else since + 1
+            best = float(costs.cost[0])
+            if since == self.patience or problem.edges == 0:
+                return
+
+    def _children(self, parents: Bits, rng: np.random.Generator) -> Bits:
+        """As many children (p, r) as the population has: bits of two random parents each, one flipped on average."""
+        one, other = parents[rng.integers(len(parents), size=(2, self.population))]
+        child = np.where(rng.random(one.shape) < 0.5, one, other)  # noqa: PLR2004  # uniform crossover
+        return np.asarray(child ^ (rng.random(child.shape) < 1 / max(child.shape[1], 1)))
+
+
+def greedy(problem: MergeProblem) -> Bits:
+    """The likeliest doors (r,), each kept unless a likelier rival is; bit 1 = removed."""
+    removed = np.ones(problem.edges, np.bool_)
+    rivals = FlipState(problem).rivals
+    for edge in np.argsort(-problem.log_odds, kind="stable").tolist():
+        if problem.gain[edge] <= 0:
+            continue
+        removed[edge] = any(not removed[rival] for rival in rivals[edge])
+    return removed
+
+
+def climbed(problem: MergeProblem, removed: Bits) -> Bits:
+    """The string (r,) after flips of single doors, and swaps of a door for its rivals, until none helps."""
+    state = FlipState(problem, np.flatnonzero(removed).tolist())
+    better = True
+    while better:
+        before = state.cost
+        for edge in range(problem.edges):
+            rivals = [rival for rival in state.rivals[edge] if not state.removed[rival]]
+            if state.removed[edge] and rivals:
+                state.try_flips([*rivals, edge])
+            else:
+                state.try_flip(edge, 0.0)
+        better = state.cost < before - 1e-9  # not by rounding alone
+    return np.array(state.removed, np.bool_)

@@ -1,0 +1,50 @@
+"""Straight looks through the grid, many at once: where they end, and what they see on the way."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+Mask = NDArray[np.bool_]
+
+STEP = 0.6180339887
+"""Cells from one sample of a ray to the next: irrational enough never to fall between two cells along an axis."""
+CHUNK = 4_000_000  # samples at a time: bounds the memory
+
+
+class Padded:
+    """A raster with a border of `outside` cells, read at places (row, col) that need not lie in it."""
+
+    def __init__(self, raster: NDArray[np.generic], outside: float | bool) -> None:
+        self.raster = np.pad(raster, 1, constant_values=outside)
+        self.height, self.width = self.raster.shape
+        self.flat = self.raster.reshape(-1)
+
+    def at(self, row: NDArray[np.floating], col: NDArray[np.floating]) -> NDArray[np.generic]:
+        """Values of the cells that hold the places, the border's for all places outside."""
+        r = np.clip(np.rint(row).astype(np.int32) + 1, 0, self.height - 1)
+        c = np.clip(np.rint(col).astype(np.int32) + 1, 0, self.width - 1)
+        return np.asarray(self.flat[r * self.width + c])
+
+
+def looks(inside: Padded, start: Floats, direction: Floats, reach: float) -> Floats:
+    """How far (k,) cells one can go from places (k, 2) along unit vectors (k, 2) within set cells, at most `reach`.
+
+    The start itself is not asked. Distances are whole steps of half a cell.
+    """
+    steps = max(1, math.ceil(2 * reach))
+    far = np.arange(1, steps + 1) / 2
+    out = np.empty(len(start))
+    at_once = max(1, CHUNK // steps)
+    for begin in range(0, len(start), at_once):
+        part = slice(begin, begin + at_once)
+        row = start[part, 0, None] + direction[part, 0, None] * far
+        col = start[part, 1, None] + direction[part, 1, None] * far
+        blocked = ~inside.at(row, col).astype(np.bool_)
+        first = np.where(blocked.any(axis=1), blocked.argmax(axis=1), steps)
+        out[part] = first / 2
+    return out

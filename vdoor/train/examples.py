@@ -1,0 +1,126 @@
+"""Virtual doors of maps whose real doors are known: what the curves are fitted to."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vdoor.grid import OccupancyGrid
+from vdoor.pipeline import Pipeline
+from vdoor.record import Frame
+from vdoor.stages.doors import PROPOSED
+from vdoor.stages.features import door_features
+from vdoor.stages.segments import Segments
+from vdoor.synth import Home, Office, SyntheticMap, synthesize
+
+Floats = NDArray[np.float64]
+
+HIT_M, MISS_M, UNSURE_M = 0.3, 0.5, 1.0
+"""A virtual door is real with its middle this near to a real one's, not one from there on; in between nobody asks."""
+MOST_TURNED_RAD = math.radians(35)
+
+
+@dataclass(frozen=True, eq=False)
+class RealDoors:
+    """The real doors of a map, in metres of the map frame."""
+
+    start_m: Floats
+    """(k, 2) as x, y."""
+    end_m: Floats
+    width_m: Floats
+    unsure: NDArray[np.bool_]
+    """Counts for nobody, found or not."""
+
+    @property
+    def middle_m(self) -> Floats:
+        """(k, 2) as x, y."""
+        return (self.start_m + self.end_m) / 2
+
+    @property
+    def along_rad(self) -> Floats:
+        """Direction of each door (k,)."""
+        along = self.end_m - self.start_m
+        return np.arctan2(along[:, 1], along[:, 0])
+
+
+def real_doors(made: SyntheticMap) -> RealDoors:
+    """The real doors of a synthetic map."""
+    return RealDoors(
+        np.array([door.start_m for door in made.doors], np.float64).reshape(-1, 2),
+        np.array([door.end_m for door in made.doors], np.float64).reshape(-1, 2),
+        np.array([door.width_m for door in made.doors], np.float64),
+        np.array([door.unsure for door in made.doors], np.bool_),
+    )
+
+
+def marked_real(ends: Floats, widths_m: Floats, frame: Frame, unsure_ends: Floats | None = None) -> RealDoors:
+    """Real doors from ends (k, 2, 2) as row, col, and those that are unsure."""
+    both = ends if unsure_ends is None else np.concatenate([ends, unsure_ends])
+    start_m, end_m = (frame.world_from_cell(both[:, at]) for at in (0, 1))
+    unsure = np.arange(len(both)) >= len(ends)
+    widths = np.concatenate([widths_m, np.hypot(*(end_m - start_m)[len(ends) :].T)])
+    return RealDoors(start_m, end_m, widths, unsure)
+
+
+@dataclass(frozen=True, eq=False)
+class Examples:
+    """Virtual doors of one map: features (k, features), which are real, and how much each counts."""
+
+    feature: Floats
+    real: Floats
+    weight: Floats
+    corners_per_m: float
+
+
+def weighted(part: Examples, weight: float) -> Examples:
+    """The examples, each counting so many times."""
+    return replace(part, weight=part.weight * weight)
+
+
+def synthetic_examples(homes: int, offices: int, seed: int, pipeline: Pipeline) -> Iterator[Examples]:
+    """Examples from so many synthetic homes and office floors; equal seeds give equal ones."""
+    kinds: tuple[tuple[Home | Office, int], ...] = ((Home(), homes), (Office(), offices))
+    for number, (settings, count) in enumerate(kinds):
+        for index in range(count):
+            made = synthesize(settings, np.random.default_rng([seed, number, index]))
+            yield examples(made.grid, real_doors(made), pipeline)
+
+
+def examples(grid: OccupancyGrid, real: RealDoors, pipeline: Pipeline) -> Examples:
+    """The proposed doors of a map as examples."""
+    simplified = pipeline.simplify(grid)
+    path = pipeline.trace(simplified)
+    curvature = pipeline.curvature(path)
+    corners = pipeline.corners(path, curvature, pipeline.candidates(path, curvature))
+    doors = pipeline.doors(simplified, path, corners)
+    rows = np.flatnonzero(doors.verdict == PROPOSED)
+    segments = Segments(doors, rows)
+    ends_m = [doors.frame.world_from_cell(ends) for ends in (segments.start, segments.end)]
+    label, weight = judged(ends_m[0], ends_m[1], real)
+    feature = door_features(simplified, path, doors, rows, corners.sample)
+    return Examples(feature, label, weight, len(corners.sample) / max(float(path.length_m.sum()), 1e-9))
+
+
+def judged(start_m: Floats, end_m: Floats, real: RealDoors) -> tuple[Floats, Floats]:
+    """Whether each segment (k,) is a real door, 0 or 1, and its weight, 0 where nobody can say."""
+    middle_m = (start_m + end_m) / 2
+    label, weight = np.zeros(len(middle_m)), np.ones(len(middle_m))
+    sure = ~real.unsure
+    if sure.any():
+        away_m = np.hypot(*(middle_m[:, None] - real.middle_m[sure][None]).transpose(2, 0, 1))
+        nearest = away_m.argmin(axis=1)
+        away_m = away_m.min(axis=1)
+        angle = np.arctan2(*(end_m - start_m).T[::-1]) - real.along_rad[sure][nearest]
+        turned = np.abs((angle + np.pi / 2) % np.pi - np.pi / 2)
+        long = np.hypot(*(end_m - start_m).T) > 1.6 * real.width_m[sure][nearest] + 0.3
+        label[(away_m <= HIT_M) & ~(turned > MOST_TURNED_RAD) & ~long] = 1
+        weight[(away_m > HIT_M) & (away_m < MISS_M)] = 0
+        weight[(away_m <= HIT_M) & (label == 0)] = 0
+    if real.unsure.any():
+        away_m = np.hypot(*(middle_m[:, None] - real.middle_m[real.unsure][None]).transpose(2, 0, 1)).min(axis=1)
+        weight[(away_m < UNSURE_M) & (label == 0)] = 0
+    return label, weight

@@ -1,0 +1,60 @@
+"""The recipe and the recipe without each of its parts: a name, and the settings that take the part away."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from vdoor.config import with_settings
+from vdoor.pipeline import METHODS, AnyPipeline, preset_named
+from vdoor.stages.door_model import model_named
+
+Tables = Mapping[str, Mapping[str, Any]]
+NO_EXTENSION_M = 0.1
+"""An extension as short as that is none."""
+SHORT_M = 1.2
+"""The paper's widest door."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Variant:
+    """One row of the table."""
+
+    name: str
+    settings: Tables = field(default_factory=dict)
+    """Laid over the pipeline, as in a settings file."""
+    preset: str | None = None
+    """Taken instead of the pipeline."""
+
+    def of(self, pipeline: AnyPipeline) -> AnyPipeline:
+        """The pipeline in this variant; SettingError where it has no such part."""
+        base = pipeline if self.preset is None else preset_named(self.preset)
+        return with_settings(base, self.settings, METHODS, place=f"variant '{self.name}'")
+
+
+VARIANTS = (
+    Variant(name="whole recipe"),
+    Variant(name="islands stay", settings={"simplify": {"max_island_m": 0.0}}),
+    Variant(name="thin unknown lines stay", settings={"simplify": {"thin_unknown_m": 0.0}}),
+    Variant(name="largest part only", settings={"simplify": {"least_part_m2": 0.0}}),
+    Variant(name="no wall extensions", settings={"doors": {"extension_m": NO_EXTENSION_M}}),
+    Variant(
+        name="short doors only",
+        settings={"doors": {"pair_m": SHORT_M, "single_m": SHORT_M, "extension_m": NO_EXTENSION_M}},
+    ),
+    Variant(name="no room term", settings={"cost": {"lack_weight": 0.0}}),
+    Variant(name="greedy choice", settings={"search": {"generations": 0}}),
+    Variant(name="cells of 20 cm", settings={"simplify": {"cell_m": 0.2}}),
+    Variant(name="preset paper", preset="paper"),
+)
+
+
+def variants_with(models: Sequence[Path]) -> tuple[tuple[Variant, ...], tuple[Variant, ...]]:
+    """The variants, and one for each file of curves; SettingError where a file holds none."""
+    for path in models:
+        model_named(str(path))
+    return VARIANTS, tuple(
+        Variant(name=f"model {path.name}", settings={"score": {"model": str(path)}}) for path in models
+    )
