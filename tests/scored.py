@@ -44,7 +44,7 @@ def scored(folder: Path, **settings: Any) -> Path:
     pipeline = Pipeline(
         doors=ProposeWideDoors(),
         score=ScoreDoors(model=str(write_curves(folder / "curves.json")), **settings),
-        cost=DoorEnergy(bias=0.25),
+        cost=DoorEnergy(lack_weight=4.0, lack_weight_rough=4.0, bias=0.25, bias_rough=0.25),
         search=MemeticSearch(),
         certify=BoundEnergy(),
     )

@@ -150,8 +150,8 @@ def test_values_that_no_stage_gives_are_refused() -> None:
         GRID, "cells", data=np.array([101, 0, 0, 0, 0, 0], np.int8)
     )
     simplified = random_record(SimplifiedGrid, np.random.default_rng(0), sizes={"height": 1, "width": 1})
-    assert "SimplifiedGrid.reason: wanted values to 4, found 5" in refused(
-        simplified, "reason", data=np.array([5], np.uint8)
+    assert "SimplifiedGrid.reason: wanted values to 5, found 6" in refused(
+        simplified, "reason", data=np.array([6], np.uint8)
     )
     assert "wanted 8UC1 little endian, found 'rgb8'" in refused(simplified, "reason", encoding="rgb8")
     generation = random_record(Generation, np.random.default_rng(0), sizes={"edge": 1})

@@ -91,7 +91,8 @@ class Pipeline:
         """What a run emits, in this order."""
         left_out: set[type[Record]] = {Skeleton, Narrows, ErodedSpace, GrownRooms}
         left_out |= {DoorScores} if isinstance(self.score, NoScores) else set()
-        left_out |= {Certificate} if isinstance(self.certify, NoProof) else set()
+        proven = isinstance(self.certify, BoundEnergy) and isinstance(self.cost, DoorEnergy)
+        left_out |= set() if proven else {Certificate}
         return tuple(record for record in RECORDS if record not in left_out)
 
     def __call__(self, grid: OccupancyGrid, rng: np.random.Generator, emit: Emit = silent) -> TopologicalMap:

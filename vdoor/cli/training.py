@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -23,7 +23,7 @@ def train(
         Path | None, typer.Option(metavar="DIR", help="The maps that label references were drawn on.")
     ] = None,
     resolution: Annotated[float | None, typer.Option(metavar="M", help="Metres a cell, for images.")] = None,
-    weight: Annotated[float, typer.Option(min=0, help="How much each of your maps counts.")] = 3.0,
+    weight: Annotated[float, typer.Option(min=0, max=1000, help="How much each of your maps counts.")] = 3.0,
     force: Force = False,
 ) -> None:
     """Fit the curves that score doors; use them with --set score.model=FILE.json."""
@@ -39,13 +39,17 @@ def train(
         raise SettingError("train: wanted maps, found none: --homes 0 and --offices 0")
     refuse_existing([output], force=force)
     pipeline = training.default_pipeline()
-    made = {"command": f"vdoor train --homes {homes} --offices {offices} --seed {seed}", "labelled_maps": 0}
+    made: dict[str, Any] = {
+        "command": f"vdoor train --homes {homes} --offices {offices} --seed {seed}",
+        "labelled_maps": 0,
+    }
     found = []
     parts = training.synthetic_examples(homes, offices, seed, pipeline)
     if maps is not None and reference is not None:
         own = training.labelled_examples(maps, reference, pipeline, bare=bare_map, resolution_m=resolution)
         own = [training.weighted(part, weight) for part in own]
         made["labelled_maps"] = len(own)
+        made["command"] += f" --maps {maps.name} --reference {reference.name} --weight {weight:g}"
         parts = itertools.chain(own, parts)
     for part in parts:
         found.append(part)

@@ -25,7 +25,7 @@ class Term(NamedTuple):
 
 def terms_of(run: History, generation: int) -> Iterator[Term]:
     """The terms of the best string of one generation, by eq. 7 or by the energy of scored doors."""
-    found, cost = run.search[generation], run.cost
+    found, cost = run.search[generation], run.problem.cost  # with the weights for this map
     if isinstance(cost, DoorEnergy):
         yield from _energy(run, generation, cost)
         return

@@ -11,7 +11,7 @@ from scipy.sparse import coo_array
 
 from vdoor.config import Within
 from vdoor.record import Record, Spec
-from vdoor.stages.cost import MergeProblem
+from vdoor.stages.cost import DoorEnergy, MergeProblem
 from vdoor.stages.search import Generation
 
 EPSILON = 1e-6
@@ -26,7 +26,7 @@ class Certificate(Record):
     lower_bound: Annotated[float, Spec("number", tolerance=1e-6)]
     """No choice costs less."""
     gap: Annotated[float, Spec("number", tolerance=1e-6)]
-    """Log-odds between the two; 0 where the choice is optimal."""
+    """Log-odds between the two; 0 where the choice is optimal. The bound knows nothing of what kept doors' rooms lack."""
     optimal: Annotated[int, Spec("count")]
     """1 where that is proven."""
 
@@ -50,12 +50,16 @@ class BoundEnergy:
     most_s: Annotated[float, Within(0.01, 3600)] = 10.0
     """The solver stops after so long and gives the bound it has."""
 
-    def __call__(self, problem: MergeProblem, best: Generation) -> Certificate:
-        """The certificate of the choice."""
+    def __call__(self, problem: MergeProblem, best: Generation) -> Certificate | None:
+        """The certificate of the choice; none where it was not the energy that was searched."""
+        if not isinstance(problem.cost, DoorEnergy):
+            return None
         alone = problem.evaluate(np.ones((1, problem.edges), np.bool_)).cost[0]
         bound = float(alone) - most_gain(problem, self.most_s)
         gap = max(best.best_cost - bound, 0.0)
-        return Certificate(cost=best.best_cost, lower_bound=bound, gap=gap, optimal=int(gap <= EPSILON))
+        return Certificate(
+            cost=best.best_cost, lower_bound=bound, gap=gap, optimal=int(abs(best.best_cost - bound) <= EPSILON)
+        )
 
 
 def most_gain(problem: MergeProblem, most_s: float) -> float:
@@ -63,6 +67,9 @@ def most_gain(problem: MergeProblem, most_s: float) -> float:
     gain = np.maximum(problem.gain, 0.0)
     wanted = gain > 0
     pairs = problem.rivals[:, wanted[problem.rivals].all(axis=0)]
+    assert isinstance(problem.cost, DoorEnergy)
+    # Only where a clash costs more than the lesser of both doors gains, no best choice keeps both.
+    pairs = pairs[:, gain[pairs].min(axis=0) <= problem.cost.clash_weight]
     if not pairs.shape[1]:
         return float(gain.sum())
     row = np.tile(np.arange(pairs.shape[1]), 2)
@@ -76,4 +83,4 @@ def most_gain(problem: MergeProblem, most_s: float) -> float:
     )
     if solved.mip_dual_bound is None:
         return float(gain.sum())
-    return -float(solved.mip_dual_bound)
+    return min(float(gain.sum()), -float(solved.mip_dual_bound))

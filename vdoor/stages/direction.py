@@ -16,8 +16,8 @@ CHORD_M = 0.5
 def wall_direction_rad(path: BoundaryPath) -> float:
     """Angle of the dominant walls from the grid's columns, -pi/4 to pi/4, clockwise on the image (row over col).
 
-    The chords of the boundary vote with their length for the angle they have in common with all that turn by right
-    angles, so that both families of walls count for one direction.
+    The chords of the boundary have one vote each for the angle they have in common with all that turn by right angles,
+    so that both families of walls count for one direction.
     """
     step = max(1, round(CHORD_M / path.frame.resolution_m))
     count = np.diff(np.append(path.first, len(path.cell))).astype(np.int64)

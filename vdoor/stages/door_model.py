@@ -20,6 +20,7 @@ from vdoor.stages.features import FEATURES
 Floats = NDArray[np.float64]
 SHIPPED = "shipped"
 FILE = "door_score.json"
+MOST, MOST_BYTES = 1e6, 1_000_000
 
 
 @dataclass(frozen=True)
@@ -77,17 +78,29 @@ def model_from(table: Mapping[str, Any]) -> DoorModel:
         other = sorted({*FEATURES} ^ {*table["curves"]})
         raise ValueError(f"curves for other features: {', '.join(other[:3]) or 'in another order'}")
     curves = {
-        name: Curve(tuple(curve["at"]), tuple(curve["clean"]), tuple(curve["rough"]))
+        name: _curve(name, *(curve[part] for part in ("at", "clean", "rough")))
         for name, curve in table["curves"].items()
     }
-    return DoorModel(
-        curves,
-        table["bias"]["clean"],
-        table["bias"]["rough"],
-        table["rough"]["middle_per_m"],
-        table["rough"]["softness"],
-        table["made"],
-    )
+    middle_per_m, softness = (_number(table["rough"][name]) for name in ("middle_per_m", "softness"))
+    if min(middle_per_m, softness) <= 0:
+        raise ValueError("rough: a number that is not above 0")
+    bias_clean, bias_rough = (_number(table["bias"][name]) for name in ("clean", "rough"))
+    return DoorModel(curves, bias_clean, bias_rough, middle_per_m, softness, dict(table["made"]))
+
+
+def _number(value: object) -> float:
+    """The value, if it is a number that log-odds can have."""
+    if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) <= MOST:
+        raise ValueError(f"{str(value)[:40]!r} for a number")
+    return float(value)
+
+
+def _curve(name: str, at: Any, clean: Any, rough: Any) -> Curve:
+    """A curve with as many values as places, and places that ascend."""
+    curve = Curve(*(tuple(map(_number, part)) for part in (at, clean, rough)))
+    if not 0 < len(curve.at) == len(curve.clean) == len(curve.rough) or list(curve.at) != sorted(set(curve.at)):
+        raise ValueError(f"{name}: a curve whose places do not ascend or have no value")
+    return curve
 
 
 def table_of(model: DoorModel) -> dict[str, Any]:
@@ -107,11 +120,20 @@ def table_of(model: DoorModel) -> dict[str, Any]:
 def model_named(name: str) -> DoorModel:
     """The shipped model, or the one in a file; SettingError where that is none, or has curves for other features."""
     try:
-        place = resources.files("vdoor.stages").joinpath(FILE) if name == SHIPPED else Path(name)
-        return model_from(json.loads(place.read_text(encoding="utf-8")))
+        return model_from(json.loads(_text(name)))
     except OSError as error:
         raise SettingError(
             f"score.model: wanted {SHIPPED!r} or a readable file, found {error.strerror}: {name}"
         ) from error
-    except (ValueError, KeyError, TypeError, AttributeError) as error:
+    except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
         raise SettingError(f"score.model: wanted curves as `vdoor train` writes them, found {error}: {name}") from error
+
+
+def _text(name: str) -> str:
+    """What the file holds; ValueError where it is no plain file of a model's size."""
+    if name == SHIPPED:
+        return resources.files("vdoor.stages").joinpath(FILE).read_text(encoding="utf-8")
+    path = Path(name)
+    if path.stat().st_size > MOST_BYTES or not path.is_file():
+        raise ValueError("something else")
+    return path.read_text(encoding="utf-8")

@@ -82,7 +82,7 @@ def door_features(
 
 
 def removed_on_the_line(simplified: SimplifiedGrid, doors: VirtualDoors, rows: Ints) -> dict[str, Floats]:
-    """Length of islands and thin unknown lines that were removed on the door's own cells."""
+    """Length of islands that were removed on the door's own cells."""
     number = np.full(len(doors.verdict), -1)
     number[rows] = np.arange(len(rows))
     on = number[doors.line_door] >= 0

@@ -19,7 +19,9 @@ class MemeticSearch:
     """Uniform crossover, one mutation a string, and local search on the best child of each generation."""
 
     population: Annotated[int, Within(2, 100_000)] = 16
+    """Strings that survive a generation."""
     generations: Annotated[int, Within(0, 1_000_000)] = 50
+    """At most so many."""
     patience: Annotated[int, Within(1, 1_000_000)] = 5
     """The search ends after so many generations without a better string."""
 
@@ -37,7 +39,7 @@ class MemeticSearch:
             learned = climbed(problem, children[np.argmin(problem.evaluate(children).cost)])
             strings = np.unique(np.concatenate([strings, children, learned[None]]), axis=0)
             costs = problem.evaluate(strings)
-            evaluations += 2 * len(children) + problem.edges
+            evaluations += len(children) + len(strings)
             fittest = np.argsort(costs.cost, kind="stable")[: self.population]
             strings, costs = strings[fittest], Costs(*(term[fittest] for term in costs))
             yield summary(number, evaluations, strings, costs)
@@ -54,7 +56,7 @@ class MemeticSearch:
 
 
 def greedy(problem: MergeProblem) -> Bits:
-    """The likeliest doors (r,), each kept unless a likelier rival is; bit 1 = removed."""
+    """The doors (r,) that gain something, the likeliest first, unless a rival is kept; bit 1 = removed."""
     removed = np.ones(problem.edges, np.bool_)
     rivals = FlipState(problem).rivals
     for edge in np.argsort(-problem.log_odds, kind="stable").tolist():

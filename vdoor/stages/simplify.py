@@ -28,7 +28,7 @@ REASONS = ("as it was", "unreachable", "jut", "notch", "island", "thin unknown")
 
 
 class SimplifiedGrid(Record):
-    """The grid at the working resolution: free is one 4-connected component, all that it does not touch is unknown."""
+    """The grid at the working resolution: free is what can be reached, all that it does not touch is unknown."""
 
     topic: ClassVar[str] = "simplified"
 
@@ -57,8 +57,8 @@ class SimplifyGrid:
     thin_unknown_m: Annotated[float, Within(0, 1)] = 0.0
     """Unknown lines up to this thick with free space around them become free; 0 keeps them (paper)."""
     least_part_m2: Annotated[float, Within(0, 1e6)] = 0.0
-    """Free parts of at least this area are kept beside the largest, unless the robot's place is given; 0 = only one
-    (paper)."""
+    """Free parts of at least this area, with room for 1.2 m by 1.2 m, are kept beside the largest, unless the robot's
+    place is given; 0 = only one (paper)."""
 
     def __post_init__(self) -> None:
         """Refuse a place that is not x and y."""
@@ -153,7 +153,8 @@ def any_in_block(mask: Mask, factor: int) -> Mask:
 def wide_enough(labels: NDArray[np.int32], asked: Mask, width: float) -> Mask:
     """Which labels (count + 1,) have room for a square of `width` cells; hollow furniture has not. Others: False."""
     side = max(1, round(width))
-    inner = ndimage.binary_erosion(np.pad(asked[labels], 1), np.ones((side, side), np.bool_))[1:-1, 1:-1]
+    padded = np.pad(asked[labels], 1).view(np.uint8)
+    inner = ndimage.minimum_filter(padded, side, mode="constant", cval=0)[1:-1, 1:-1] > 0
     found = np.zeros(len(asked), np.bool_)
     found[np.unique(labels[inner])] = True
     return found

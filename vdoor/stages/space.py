@@ -46,7 +46,7 @@ def clearance(free: Mask, door: Segments) -> dict[str, Floats]:
     distance, open_ = Padded(away, 0.0), Padded(free, False)
     half_m = door.length_m / 2
     found = {"clear_middle_m": distance.at(*door.middle.T).astype(np.float64) * door.cell_m - half_m}
-    steps = np.arange(1, int(max(CLEARANCE_REACHES_M) / door.cell_m * 2) + 1) / 2
+    steps = np.arange(1, max(1, int(max(CLEARANCE_REACHES_M) / door.cell_m * 2)) + 1) / 2
     most = np.zeros((len(CLEARANCE_REACHES_M), 2, len(half_m)))
     for side, sign in enumerate((-1, 1)):
         for beside_m in BESIDE_M:
@@ -56,7 +56,7 @@ def clearance(free: Mask, door: Segments) -> dict[str, Floats]:
             seen = np.logical_and.accumulate(open_.at(row, col).astype(np.bool_), axis=1)
             best = np.maximum.accumulate(np.where(seen, distance.at(row, col), 0.0), axis=1)
             for number, reach_m in enumerate(CLEARANCE_REACHES_M):
-                last = min(len(steps), int(reach_m / door.cell_m * 2)) - 1
+                last = max(1, min(len(steps), int(reach_m / door.cell_m * 2))) - 1
                 most[number, side] = np.maximum(most[number, side], best[:, last])
     for number, reach_m in enumerate(CLEARANCE_REACHES_M):
         by_side = most[number] * door.cell_m - half_m

@@ -56,7 +56,7 @@ def ends_known(simplified: SimplifiedGrid, door: Segments) -> dict[str, Floats]:
 def wall_runs(free: Mask, door: Segments) -> dict[str, Floats]:
     """How far the walls that the door would close go on in its direction, faces straight, beyond either end."""
     grid = Padded(free, False)
-    steps = int(WALL_RUN_M / door.cell_m)
+    steps = max(1, int(WALL_RUN_M / door.cell_m))
     run, face = np.zeros((2, 2, len(door.length))), np.zeros((2, 2, len(door.length)))
     depth = np.arange(0, math.ceil(0.35 / door.cell_m) + 1, dtype=np.float64)
     for e, (point, out) in enumerate(((door.start, -1), (door.end, 1))):

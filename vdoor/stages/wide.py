@@ -51,15 +51,16 @@ class ProposeWideDoors:
     apart_cosine: Annotated[float, Within(-1, 1)] = 0.8
     """Of two boundaries whose directions from a corner have a greater cosine, only the nearer one is joined."""
     pair_detour: Annotated[float, Within(0, 100)] = 1.5
+    """Two corners of one contour make a door only if the path between them is so many times longer than the door."""
     single_detour: Annotated[float, Within(0, 100)] = 1.8
-    """Two ends on one contour make a door only if the path between them is so many times longer than the door."""
+    """The same for a corner and a boundary."""
     wall_m: Annotated[float, Within(0.01, 5)] = 0.5
     """Length of wall beside a corner that tells the wall's direction."""
     snap_deg: Annotated[float, Within(0, 45)] = 20.0
     """Walls' directions within this of the map's dominant one are taken to be it."""
 
     def __call__(self, simplified: SimplifiedGrid, path: BoundaryPath, corners: Corners) -> VirtualDoors:
-        """Pairs, singles, extensions, each sorted; equal ones are kept once."""
+        """Pairs, singles, extensions; equal ones are kept once."""
         free = simplified.cells == FREE
         convex = np.flatnonzero(corners.convex).astype(np.int32)
         cell_m = path.frame.resolution_m
@@ -166,7 +167,7 @@ def _star(reach: float) -> Ints:
     """Cell offsets (directions, steps, 2) of rays all around, alike under quarter turns and mirrors."""
     eighth = DIRECTIONS // 8
     angle = np.arange(eighth + 1) * (math.pi / 4 / eighth)
-    steps = np.arange(1, int(reach / STEP) + 1) * STEP
+    steps = np.arange(1, max(1, int(reach / STEP)) + 1) * STEP
     down, right = (np.rint(f(angle)[:, None] * steps).astype(np.int32) for f in (np.sin, np.cos))
     first = np.stack([down, right], axis=-1)
     quarter = np.concatenate([first, first[-2:0:-1, :, ::-1]])

@@ -60,7 +60,7 @@ class Office:
     rough_chance: float = 0.4
     """Chance of a floor that was scanned, not drawn: rough walls, a few rays."""
     rough_max: float = 0.2
-    rotated_chance: float = 0.3
+    rotated_chance: float = 0.6
     """Chance of a floor that does not lie straight: by up to 6 degrees, two in five of them by up to 45."""
     cell_m: float = 0.05
 

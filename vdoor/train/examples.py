@@ -21,6 +21,7 @@ Floats = NDArray[np.float64]
 
 HIT_M, MISS_M, UNSURE_M = 0.3, 0.5, 1.0
 """A virtual door is real with its middle this near to a real one's, not one from there on; in between nobody asks."""
+COARSE_EVERY = 5
 MOST_TURNED_RAD = math.radians(35)
 
 
@@ -83,11 +84,17 @@ def weighted(part: Examples, weight: float) -> Examples:
 
 def synthetic_examples(homes: int, offices: int, seed: int, pipeline: Pipeline) -> Iterator[Examples]:
     """Examples from so many synthetic homes and office floors; equal seeds give equal ones."""
-    kinds: tuple[tuple[Home | Office, int], ...] = ((Home(), homes), (Office(), offices))
-    for number, (settings, count) in enumerate(kinds):
+    for number, count in enumerate((homes, offices)):
         for index in range(count):
-            made = synthesize(settings, np.random.default_rng([seed, number, index]))
+            made = synthesize(drawn_kind(number, index), np.random.default_rng([seed, number, index]))
             yield examples(made.grid, real_doors(made), pipeline)
+
+
+def drawn_kind(number: int, index: int) -> Home | Office:
+    """Settings of the index-th home (0) or floor (1): one floor in five has coarse cells."""
+    if number == 0:
+        return Home()
+    return Office(cell_m=0.1) if index % COARSE_EVERY == 0 else Office()
 
 
 def examples(grid: OccupancyGrid, real: RealDoors, pipeline: Pipeline) -> Examples:

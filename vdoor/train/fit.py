@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize
 
+from vdoor.errors import VdoorError
 from vdoor.stages.door_model import Curve, DoorModel
 from vdoor.stages.features import FEATURES
 from vdoor.train.examples import Examples
@@ -36,6 +37,8 @@ def fitted(
     real = np.concatenate([part.real for part in data])
     weight = np.concatenate([part.weight for part in data])
     keep = weight > 0
+    if not keep.any():
+        raise VdoorError("train: wanted virtual doors to fit to, found none")
     blank = DoorModel({}, 0.0, 0.0, MIDDLE_PER_M, SOFTNESS, {})
     share = np.concatenate([np.full(len(part.real), blank.share_rough(part.corners_per_m)) for part in data])
     feature, real, weight, share = feature[keep], real[keep], weight[keep], share[keep]

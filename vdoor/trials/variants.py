@@ -44,7 +44,7 @@ VARIANTS = (
         name="short doors only",
         settings={"doors": {"pair_m": SHORT_M, "single_m": SHORT_M, "extension_m": NO_EXTENSION_M}},
     ),
-    Variant(name="no room term", settings={"cost": {"lack_weight": 0.0}}),
+    Variant(name="no room term", settings={"cost": {"lack_weight": 0.0, "lack_weight_rough": 0.0}}),
     Variant(name="greedy choice", settings={"search": {"generations": 0}}),
     Variant(name="cells of 20 cm", settings={"simplify": {"cell_m": 0.2}}),
     Variant(name="preset paper", preset="paper"),

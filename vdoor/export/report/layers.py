@@ -36,6 +36,7 @@ REASON_COLOURS: dict[str, style.Glass] = {
     "jut": style.JUT,
     "notch": style.NOTCH,
     "island": style.ISLAND,
+    "thin unknown": style.THIN_UNKNOWN,
 }
 OTHER: style.Colour = (160, 60, 140)
 """For words that have no colour of their own."""
