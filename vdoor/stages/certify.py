@@ -26,7 +26,7 @@ class Certificate(Record):
     lower_bound: Annotated[float, Spec("number", tolerance=1e-6)]
     """No choice costs less."""
     gap: Annotated[float, Spec("number", tolerance=1e-6)]
-    """Log-odds between the two; 0 where the choice is optimal. The bound knows nothing of what kept doors' rooms lack."""
+    """Log-odds between the two, 0 where the choice is optimal; the bound leaves out what kept doors' rooms lack."""
     optimal: Annotated[int, Spec("count")]
     """1 where that is proven."""
 
