@@ -96,7 +96,7 @@ MAY_IMPORT = {
         "synth",
         "topology",
     },
-    "train": {"errors", "evaluate", "files", "formats", "grid", "pipeline", "record", "stages", "synth", "topology"},
+    "train": {"errors", "files", "grid", "pipeline", "record", "stages", "synth", "trials"},
     "trials": {"config", "errors", "evaluate", "formats", "grid", "pipeline", "record", "stages"},
     "study": {"pipeline", "stages", "synth"},
     "benchmark": {"emit", "grid", "outputs", "pipeline", "stages", "synth"},

@@ -55,21 +55,20 @@ class BoundEnergy:
         if not isinstance(problem.cost, DoorEnergy):
             return None
         alone = problem.evaluate(np.ones((1, problem.edges), np.bool_)).cost[0]
-        bound = float(alone) - most_gain(problem, self.most_s)
+        bound = float(alone) - most_gain(problem, problem.cost.clash_weight, self.most_s)
         gap = max(best.best_cost - bound, 0.0)
         return Certificate(
             cost=best.best_cost, lower_bound=bound, gap=gap, optimal=int(abs(best.best_cost - bound) <= EPSILON)
         )
 
 
-def most_gain(problem: MergeProblem, most_s: float) -> float:
+def most_gain(problem: MergeProblem, clash_weight: float, most_s: float) -> float:
     """Greatest sum of what doors gain over all sets without rivals, or a bound above it."""
     gain = np.maximum(problem.gain, 0.0)
     wanted = gain > 0
     pairs = problem.rivals[:, wanted[problem.rivals].all(axis=0)]
-    assert isinstance(problem.cost, DoorEnergy)
     # Only where a clash costs more than the lesser of both doors gains, no best choice keeps both.
-    pairs = pairs[:, gain[pairs].min(axis=0) <= problem.cost.clash_weight]
+    pairs = pairs[:, gain[pairs].min(axis=0) <= clash_weight]
     if not pairs.shape[1]:
         return float(gain.sum())
     row = np.tile(np.arange(pairs.shape[1]), 2)

@@ -73,32 +73,11 @@ class ProposeDoors:
         paired = np.unique(pairs.corners[pairs.verdict == PROPOSED])
         single = self._singles(free, path, corners, np.setdiff1d(convex, paired))
         found = pairs.followed_by(single)
-        verdict = without_duplicates(found)
-        proposed = np.flatnonzero(verdict == PROPOSED)
-        _, line_cell, owner = lines_between(free, found.start[proposed], found.end[proposed])
-        cell_m = path.frame.resolution_m
-        length_m, width_m, tilt_rad = measures(found.start, found.end, cell_m)
-        return VirtualDoors(
-            start=found.start,
-            end=found.end,
-            kind=found.kind,
-            verdict=verdict,
-            corner_start=found.corners[:, 0],
-            corner_end=found.corners[:, 1],
-            length_m=length_m,
-            width_m=width_m,
-            tilt_rad=tilt_rad,
-            line_cell=line_cell,
-            line_door=proposed[owner].astype(np.int32),
-            frame=path.frame,
-        )
+        return measured(free, found, path.frame)
 
     def _pairs(self, free: Mask, path: BoundaryPath, corners: Corners, convex: Ints) -> Found:
         """All pairs of convex corners within reach, each with its verdict."""
-        place = corners.cell[convex]
-        near = cKDTree(place).query_pairs(self._reach(path), output_type="ndarray") if len(place) else np.zeros((0, 2))
-        both = convex[np.sort(near, axis=1).astype(np.intp)].reshape(-1, 2)
-        both = both[np.lexsort((both[:, 1], both[:, 0]))]
+        both = pairs_within(corners, convex, self._reach(path))
         start, end = corners.cell[both[:, 0]], corners.cell[both[:, 1]]
         verdict = np.full(len(both), PROPOSED, np.uint8)
         clear, _, _ = lines_between(free, start, end)
@@ -172,6 +151,36 @@ class Found(NamedTuple):
         """Both lists, one after the other."""
         columns: Iterator[tuple[Any, Any]] = zip(self, other, strict=True)
         return Found(*map(np.concatenate, columns))
+
+
+def measured(free: Mask, found: Found, frame: Frame) -> VirtualDoors:
+    """The record of segments found: equal proposed ones are kept once, and those that stay have their cells."""
+    verdict = without_duplicates(found)
+    proposed = np.flatnonzero(verdict == PROPOSED)
+    _, line_cell, owner = lines_between(free, found.start[proposed], found.end[proposed])
+    length_m, width_m, tilt_rad = measures(found.start, found.end, frame.resolution_m)
+    return VirtualDoors(
+        start=found.start,
+        end=found.end,
+        kind=found.kind,
+        verdict=verdict,
+        corner_start=found.corners[:, 0],
+        corner_end=found.corners[:, 1],
+        length_m=length_m,
+        width_m=width_m,
+        tilt_rad=tilt_rad,
+        line_cell=line_cell,
+        line_door=proposed[owner].astype(np.int32),
+        frame=frame,
+    )
+
+
+def pairs_within(corners: Corners, among: Ints, reach: float) -> Ints:
+    """Pairs (k, 2) of some corners at most `reach` cells apart, the lower first, sorted."""
+    place = corners.cell[among]
+    near = cKDTree(place).query_pairs(reach, output_type="ndarray") if len(place) else np.zeros((0, 2))
+    both = among[np.sort(near, axis=1).astype(np.intp)].reshape(-1, 2)
+    return np.asarray(both[np.lexsort((both[:, 1], both[:, 0]))])
 
 
 def without_duplicates(found: Found) -> NDArray[np.uint8]:

@@ -80,8 +80,8 @@ class ScoreDoors:
         model = model_named(self.model)
         rows = np.flatnonzero(doors.verdict == PROPOSED)
         feature = door_features(simplified, path, doors, rows, corners.sample)
-        corners_per_m = len(corners.sample) / max(float(path.length_m.sum()), path.frame.resolution_m)
-        share_rough = model.share_rough(corners_per_m)
+        ragged = corners_per_m(path, corners)
+        share_rough = model.share_rough(ragged)
         log_odds = model.log_odds(feature, share_rough)
         segments = Segments(doors, rows)
         judgement = np.where(log_odds < self.least_log_odds, JUDGEMENTS.index("unlikely"), LIKELY).astype(np.uint8)
@@ -95,10 +95,15 @@ class ScoreDoors:
             feature=feature,
             rival_a=pairs[:, 0].astype(np.int32),
             rival_b=pairs[:, 1].astype(np.int32),
-            corners_per_m=corners_per_m,
+            corners_per_m=ragged,
             share_rough=share_rough,
             frame=path.frame,
         )
+
+
+def corners_per_m(path: BoundaryPath, corners: Corners) -> float:
+    """How ragged a map is: corners per metre of its boundary."""
+    return len(corners.sample) / max(float(path.length_m.sum()), path.frame.resolution_m)
 
 
 def outdone(door: Segments, log_odds: Floats, near_m: float) -> Mask:

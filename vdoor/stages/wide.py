@@ -8,7 +8,6 @@ from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from vdoor.config import Within
 from vdoor.grid import FREE
@@ -21,12 +20,12 @@ from vdoor.stages.doors import (
     VERDICTS,
     Found,
     VirtualDoors,
-    measures,
+    measured,
+    pairs_within,
     same_wall,
-    without_duplicates,
 )
 from vdoor.stages.lines import lines_between
-from vdoor.stages.rays import STEP, Padded
+from vdoor.stages.rays import CHUNK, STEP, Padded
 from vdoor.stages.simplify import SimplifiedGrid
 from vdoor.stages.trace import BoundaryPath
 
@@ -35,7 +34,6 @@ Ints = NDArray[np.int32]
 Mask = NDArray[np.bool_]
 
 DIRECTIONS = 128
-CHUNK = 4_000_000  # samples of rays at a time: bounds the memory
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -63,39 +61,17 @@ class ProposeWideDoors:
         """Pairs, singles, extensions; equal ones are kept once."""
         free = simplified.cells == FREE
         convex = np.flatnonzero(corners.convex).astype(np.int32)
-        cell_m = path.frame.resolution_m
         found = self._pairs(path, corners, convex)
         found = found.followed_by(self._singles(free, path, corners, convex))
         found = found.followed_by(self._extensions(free, path, corners, convex))
         clear, _, _ = lines_between(free, found.start, found.end)
         found.verdict[~clear & (found.verdict == PROPOSED)] = VERDICTS.index("blocked")
         found.verdict[np.abs(found.end - found.start).max(axis=1, initial=0) <= 1] = VERDICTS.index("no gap")
-        verdict = without_duplicates(found)
-        proposed = np.flatnonzero(verdict == PROPOSED)
-        _, line_cell, owner = lines_between(free, found.start[proposed], found.end[proposed])
-        length_m, width_m, tilt_rad = measures(found.start, found.end, cell_m)
-        return VirtualDoors(
-            start=found.start,
-            end=found.end,
-            kind=found.kind,
-            verdict=verdict,
-            corner_start=found.corners[:, 0],
-            corner_end=found.corners[:, 1],
-            length_m=length_m,
-            width_m=width_m,
-            tilt_rad=tilt_rad,
-            line_cell=line_cell,
-            line_door=proposed[owner].astype(np.int32),
-            frame=path.frame,
-        )
+        return measured(free, found, path.frame)
 
     def _pairs(self, path: BoundaryPath, corners: Corners, convex: Ints) -> Found:
         """All pairs of convex corners within reach."""
-        place = corners.cell[convex]
-        reach = self.pair_m / path.frame.resolution_m + EPSILON
-        near = cKDTree(place).query_pairs(reach, output_type="ndarray") if len(place) else np.zeros((0, 2))
-        both = convex[np.sort(near, axis=1).astype(np.intp)].reshape(-1, 2)
-        both = both[np.lexsort((both[:, 1], both[:, 0]))]
+        both = pairs_within(corners, convex, self.pair_m / path.frame.resolution_m + EPSILON)
         verdict = np.full(len(both), PROPOSED, np.uint8)
         same = same_wall(path, corners.sample[both[:, 0]], corners.sample[both[:, 1]], self.pair_detour)
         verdict[same] = VERDICTS.index("same wall")

@@ -14,6 +14,7 @@ from vdoor.pipeline import Pipeline
 from vdoor.record import Frame
 from vdoor.stages.doors import PROPOSED
 from vdoor.stages.features import door_features
+from vdoor.stages.score import corners_per_m
 from vdoor.stages.segments import Segments
 from vdoor.synth import Home, Office, SyntheticMap, synthesize
 
@@ -109,7 +110,7 @@ def examples(grid: OccupancyGrid, real: RealDoors, pipeline: Pipeline) -> Exampl
     ends_m = [doors.frame.world_from_cell(ends) for ends in (segments.start, segments.end)]
     label, weight = judged(ends_m[0], ends_m[1], real)
     feature = door_features(simplified, path, doors, rows, corners.sample)
-    return Examples(feature, label, weight, len(corners.sample) / max(float(path.length_m.sum()), 1e-9))
+    return Examples(feature, label, weight, corners_per_m(path, corners))
 
 
 def judged(start_m: Floats, end_m: Floats, real: RealDoors) -> tuple[Floats, Floats]:
