@@ -23,12 +23,15 @@ from vdoor.stages.cost import DoorEnergy, MergeProblem
 from vdoor.stages.direction import wall_direction_rad
 from vdoor.stages.door_model import Curve, model_named, table_of
 from vdoor.stages.doors import KINDS, PROPOSED, VirtualDoors
-from vdoor.stages.features import FEATURES
+from vdoor.stages.features import FEATURES, FIRST
 from vdoor.stages.flips import FlipState
 from vdoor.stages.memetic import MemeticSearch, greedy
+from vdoor.stages.rivals import rivals, surest
 from vdoor.stages.rooms import InitialMap
 from vdoor.stages.score import JUDGEMENTS, LIKELY, DoorScores, ScoreDoors
 from vdoor.stages.search import Generation
+from vdoor.stages.segments import Segments
+from vdoor.stages.shut import SHUT
 from vdoor.stages.simplify import REASONS, SimplifyGrid
 from vdoor.stages.trace import BoundaryPath
 from vdoor.synth import PRESETS as KINDS_OF_MAPS
@@ -170,6 +173,49 @@ def test_rivals_cross_or_lie_near_each_other() -> None:
     assert np.count_nonzero(outdone) > 0
 
 
+def test_the_surest_doors_exclude_each_other_and_none_likelier_is_left_out() -> None:
+    made = synthesize(KINDS_OF_MAPS["home"], np.random.default_rng(3))
+    found = records_of(made.grid.cells)
+    scores, doors = found[DoorScores], found[VirtualDoors]
+    first = model_named("shipped").first.log_odds(scores.feature[:, : len(FIRST)], scores.share_rough)
+    segments, sure = Segments(doors, scores.door), np.flatnonzero(scores.sure)
+    assert 0 < len(sure) == len(surest(segments, first, 1.0, 0.6))
+    assert (first[sure] > 1.0).all()
+    likely = np.flatnonzero(first > 1.0)
+    pairs = rivals(segments, likely, 0.6)
+    assert not (scores.sure[pairs]).all(axis=1).any()
+    for left_out in np.setdiff1d(likely, sure).tolist():
+        others = pairs[(pairs == left_out).any(axis=1)].sum(axis=1) - left_out
+        assert any(scores.sure[other] and first[other] >= first[left_out] for other in others.tolist())
+
+
+def corridor_with_rooms() -> Cells:
+    """A corridor of 12 m by 2 m, and above its middle a room of 4 m by 4 m, with a door of 0.9 m in its corner."""
+    cells = np.full((130, 244), 100, np.int8)
+    cells[86:126, 2:242] = FREE
+    cells[2:82, 80:160] = FREE
+    cells[82:86, 80:98] = FREE
+    return cells
+
+
+def test_no_look_escapes_through_a_shut_door() -> None:
+    found = records_of(corridor_with_rooms())
+    scores, doors = found[DoorScores], found[VirtualDoors]
+    segments = Segments(doors, scores.door)
+    middle = segments.middle
+    value = {name: scores.feature[:, at] for at, name in enumerate(FEATURES)}
+    (door,) = np.flatnonzero(scores.sure)
+    assert 82 <= middle[door, 0] <= 86
+    # Across the corridor, in line with the wall of the room: one looks into the room only as long as the door is open.
+    across = np.flatnonzero((np.abs(segments.along[:, 0]) > 0.99) & (middle[:, 0] > 90) & (segments.length_m < 2.2))
+    assert len(across) > 0
+    assert (value["wider_max_m"][across] > 1.5).all()
+    assert (value["shut_wider_max_m"][across] < 0.3).all()
+    # The door's own look is as it was.
+    for name in SHUT:
+        assert value[name][door] == value[name.removeprefix("shut_")][door]
+
+
 @law
 @given(small_maps(), st.integers(0, 2**32 - 1))
 def test_flips_and_whole_choices_have_one_energy(cells: Cells, seed: int) -> None:
@@ -244,7 +290,8 @@ def test_a_curve_is_straight_between_and_level_beyond() -> None:
 
 def test_the_shipped_curves_are_for_these_features_and_say_how_they_were_made() -> None:
     model = model_named("shipped")
-    assert tuple(model.curves) == FEATURES
+    assert (tuple(model.first.curves), tuple(model.last.curves)) == (FIRST, FEATURES)
+    assert not any(any(model.last.curves[name].rough) for name in SHUT)
     assert model.made["command"].startswith("vdoor train")
     assert model.made["labelled_maps"] == 0
 
@@ -265,16 +312,17 @@ def test_a_file_without_curves_is_refused(tmp_path: Path, text: str) -> None:
 )
 def test_broken_curves_are_refused(tmp_path: Path, part: str, value: object) -> None:
     table = table_of(model_named("shipped"))
-    table["curves"]["length_m"][part] = value
+    table["last"]["curves"]["length_m"][part] = value
     path = tmp_path / "curves.json"
     path.write_text(json.dumps(table))
     with pytest.raises(SettingError, match=r"score\.model"):
         model_named(str(path))
 
 
-def test_curves_for_other_features_are_refused(tmp_path: Path) -> None:
+@pytest.mark.parametrize("look", ["first", "last"])
+def test_curves_for_other_features_are_refused(tmp_path: Path, look: str) -> None:
     table = table_of(model_named("shipped"))
-    table["curves"].pop("length_m")
+    table[look]["curves"].pop("length_m")
     path = tmp_path / "curves.json"
     path.write_text(json.dumps(table))
     with pytest.raises(SettingError, match="length_m"):
@@ -291,6 +339,24 @@ def test_thin_unknown_lines_are_free_and_long_ones_are_walls() -> None:
     assert (found.reason[20, 10:20] == thin).all()
     assert (found.cells[20, 10:20] == FREE).all()
     assert not (found.reason[40] == thin).any()
+
+
+def test_slits_are_closed_and_say_so() -> None:
+    cells = np.full((60, 90), 100, np.int8)
+    cells[2:58, 2:40] = FREE
+    cells[2:58, 44:88] = FREE
+    cells[30:32, 40:44] = FREE  # a crack of 0.1 m
+    cells[10:13, 40:44] = FREE  # a gap of 0.15 m
+    grid = OccupancyGrid.from_array(cells, CELL_M)
+    found = SimplifyGrid(cell_m=0.0, slit_m=0.1, jut_m=0.0)(grid)
+    slit = found.reason == REASONS.index("slit")
+    assert np.argwhere(slit).tolist() == [[row, col] for row in (30, 31) for col in range(40, 44)]
+    assert (found.cells[slit] != FREE).all()
+    apart = SimplifyGrid(cell_m=0.0, slit_m=0.15, jut_m=0.0)(grid)
+    assert (apart.cells[:, 2:40] != FREE).all()
+    assert (apart.reason[2:58, 2:40] == REASONS.index("unreachable")).all()
+    narrow = SimplifyGrid(cell_m=0.0, slit_m=1.0)(OccupancyGrid.from_array(cells[28:34, 38:46], CELL_M))
+    assert (narrow.cells == FREE).any()  # all of it is a slit: nothing is closed
 
 
 def test_shut_rooms_are_kept_and_hollow_furniture_is_not() -> None:

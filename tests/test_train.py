@@ -11,12 +11,12 @@ import numpy as np
 import pytest
 
 from vdoor.pipeline import Pipeline
-from vdoor.stages.door_model import DoorModel, model_named
-from vdoor.stages.features import FEATURES
+from vdoor.stages.door_model import DoorModel, Rough, model_named
+from vdoor.stages.features import FEATURES, FIRST
 from vdoor.synth import PRESETS, synthesize, write_synthetic
-from vdoor.train import Examples, RealDoors, default_pipeline, fitted, labelled_examples, synthetic_examples
-from vdoor.train.examples import judged
-from vdoor.train.fit import hat_basis, knots_of
+from vdoor.train import RealDoors, default_pipeline, fitted_model, labelled_lessons, synthetic_lessons
+from vdoor.train.examples import Examples, examples, judged
+from vdoor.train.fit import fitted, hat_basis, knots_of
 
 
 def door(unsure: bool = False) -> RealDoors:
@@ -57,25 +57,33 @@ def test_shares_of_knots_interpolate() -> None:
 def toy(seed: int, corners_per_m: float, sign: float) -> Examples:
     """Doors that are real where their first feature is large (sign 1) or small (-1); the others say nothing."""
     rng = np.random.default_rng(seed)
-    feature = rng.random((400, len(FEATURES)))
+    feature = rng.random((400, len(FIRST)))
     real = (sign * (feature[:, 0] - 0.5) > 0).astype(np.float64)
-    return Examples(feature, real, np.ones(400), corners_per_m)
+    return Examples(feature, real, np.ones(400), Rough().share(corners_per_m))
 
 
 def test_the_fit_finds_what_is_there_in_clean_and_ragged_maps() -> None:
-    model = fitted([toy(0, 0.2, 1.0), toy(1, 2.5, -1.0)], {}, smooth=0.1, ridge=0.1, together=0.0)
+    curves = fitted([toy(0, 0.2, 1.0), toy(1, 2.5, -1.0)], FIRST, smooth=0.1, ridge=0.1, together=0.0)
     rng = np.random.default_rng(2)
-    feature = rng.random((500, len(FEATURES)))
+    feature = rng.random((500, len(FIRST)))
     for corners_per_m, sign in ((0.2, 1.0), (2.5, -1.0)):
-        odds = model.log_odds(feature, model.share_rough(corners_per_m))
+        odds = curves.log_odds(feature, Rough().share(corners_per_m))
         assert np.mean((odds > 0) == (sign * (feature[:, 0] - 0.5) > 0)) > 0.9
-    said = model.says(feature, 0.0)
+    said = curves.says(feature, 0.0)
     assert np.abs(said[:, 0]).mean() > 5 * np.abs(said[:, 1:]).mean()
+
+
+def test_a_feature_for_clean_maps_alone_says_nothing_of_ragged_ones() -> None:
+    data = [toy(0, 0.2, 1.0), toy(1, 2.5, 1.0)]
+    curves = fitted(data, FIRST, clean_only=FIRST[:1], smooth=0.1, ridge=0.1)
+    feature = np.random.default_rng(2).random((500, len(FIRST)))
+    assert np.abs(curves.says(feature, 0.0)[:, 0]).mean() > 1
+    assert (curves.says(feature, 1.0)[:, 0] == 0).all()
 
 
 def test_equal_seeds_give_equal_curves() -> None:
     def curves(seed: int) -> DoorModel:
-        return fitted(list(synthetic_examples(2, 1, seed, default_pipeline())), {})
+        return fitted_model(lambda: synthetic_lessons(2, 1, seed), default_pipeline(), {})
 
     assert curves(1) == curves(1)
     assert curves(1) != curves(2)
@@ -85,8 +93,14 @@ def test_a_labelled_synthetic_map_gives_the_examples_of_its_truth(tmp_path: Path
     made = synthesize(PRESETS["paper-5cm"], np.random.default_rng(4))
     write_synthetic(made, tmp_path / "flat", seed=4)
     pipeline: Pipeline = default_pipeline()
-    (found,) = labelled_examples(tmp_path, tmp_path, pipeline)
+    (lesson,) = labelled_lessons(tmp_path, tmp_path, weight=3.0)
+    found = examples(lesson, pipeline)
     assert found.real.sum() >= len(made.doors)
+    assert set(found.weight.tolist()) <= {0.0, 3.0}
+    assert found.weight.any()
+    again = examples(lesson, pipeline, model_named("shipped").first)
+    assert (again.feature[:, : len(FIRST)] == found.feature).all()
+    assert again.feature.shape[1] == len(FEATURES)
 
 
 def test_the_command_writes_curves_that_a_run_can_use(tmp_path: Path) -> None:
@@ -98,7 +112,7 @@ def test_the_command_writes_curves_that_a_run_can_use(tmp_path: Path) -> None:
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
     assert "4 maps" in done.stdout
-    assert tuple(model_named(str(curves)).curves) == FEATURES
+    assert tuple(model_named(str(curves)).last.curves) == FEATURES
     assert json.loads(curves.read_text())["made"]["command"] == "vdoor train --homes 3 --offices 1 --seed 0"
     again = subprocess.run(
         [*command, "train", "-o", str(curves), "--homes", "1"], capture_output=True, text=True, check=False

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from scored import BIAS, DOOR_SAYS, SINGLE_SAYS, scored, write_curves
+from scored import BIAS, DOOR_SAYS, GENEROUS, SINGLE_SAYS, scored, write_curves
 from terminals import called, history, recorded
 from test_why import DOOR_M
 
@@ -39,11 +39,11 @@ def two_rooms(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def apartment(tmp_path_factory: pytest.TempPathFactory) -> History:
-    made = synthesize(KINDS_OF_MAPS["paper-5cm"], np.random.default_rng(3))
+    made = synthesize(KINDS_OF_MAPS["home"], np.random.default_rng(3))
     folder = tmp_path_factory.mktemp("apartment")
     default = PRESETS["default"]
     assert isinstance(default, Pipeline)
-    lenient = dataclasses.replace(default, score=ScoreDoors(least_log_odds=-8.0, apart_m=1.0))
+    lenient = dataclasses.replace(default, doors=GENEROUS, score=ScoreDoors(least_log_odds=-8.0, apart_m=1.0))
     return history(recorded(folder, made.grid, lenient, preset="default"))
 
 
@@ -191,7 +191,7 @@ def test_terms_of_the_energy_add_up_and_the_lack_is_that_of_the_rooms(apartment:
         rooms_m2 = area_m2[np.unique(room[0, problem.is_region])]
         lack = np.maximum(cost.room_m2 - rooms_m2, 0).sum() / cost.room_m2
         assert terms["lack of area"].value == pytest.approx(lack, abs=1e-6)
-        assert terms["kept doors"].value == (~generation.removed).sum()
+        assert terms["parting doors"].value <= (~generation.removed).sum()
 
 
 @pytest.mark.parametrize(

@@ -7,6 +7,7 @@ import textwrap
 from collections.abc import Callable, Iterator
 from operator import itemgetter
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -24,7 +25,7 @@ from vdoor.recording.printable import printable
 from vdoor.recording.report import lines, setting_line
 from vdoor.synth import PRESETS, synthesize, write_synthetic
 
-PRESET, SEED = "paper", 0
+SEED = 0
 NAMES = ("before", "now")
 GREYS = {".": 254, "#": 0, "?": 205}
 CELL_M = 0.2
@@ -78,26 +79,35 @@ def drawing(text: str) -> Callable[[], OccupancyGrid]:
     return make
 
 
-def apartment(seed: int, **settings: float | bool) -> Callable[[], OccupancyGrid]:
-    """What makes the map of a synthetic apartment of the paper's kind, with some settings of its own."""
+def synthetic(seed: int, kind: str = "paper", **settings: float | bool) -> Callable[[], OccupancyGrid]:
+    """What makes a synthetic map of a kind, an apartment if none is named, with some settings of its own."""
 
     def make() -> OccupancyGrid:
-        kind = replaced(PRESETS["paper"], settings, "golden map")
+        drawn = replaced(PRESETS[kind], settings, "golden map")
         with tempfile.TemporaryDirectory() as folder:
-            write_synthetic(synthesize(kind, np.random.default_rng(seed)), Path(folder) / "map", seed=seed)
+            write_synthetic(synthesize(drawn, np.random.default_rng(seed)), Path(folder) / "map", seed=seed)
             return read_map(Path(folder) / "map.yaml")
 
     return make
 
 
-MAPS: dict[str, Callable[[], OccupancyGrid]] = {
-    "plain": apartment(1, speckles=0.0, juts_per_room=0.0, wall_noise=0.0, windows=0.0),
-    "furnished": apartment(2, furniture=True),
-    "noisy": apartment(3, speckles=60.0, juts_per_room=4.0, wall_noise=0.2, windows=4.0),
-    "rotated": apartment(4, rotation_deg=30.0, cell_m=0.1),
-    "crossing": drawing(CROSSING),
-    "islands": drawing(ISLANDS),
-    "one-room": drawing(ONE_ROOM),
+class Golden(NamedTuple):
+    """What makes the map, and the preset that it is recorded with."""
+
+    make: Callable[[], OccupancyGrid]
+    preset: str = "paper"
+
+
+MAPS: dict[str, Golden] = {
+    "plain": Golden(synthetic(1, speckles=0.0, juts_per_room=0.0, wall_noise=0.0, windows=0.0)),
+    "furnished": Golden(synthetic(2, furniture=True)),
+    "noisy": Golden(synthetic(3, speckles=60.0, juts_per_room=4.0, wall_noise=0.2, windows=4.0)),
+    "rotated": Golden(synthetic(4, rotation_deg=30.0, cell_m=0.1)),
+    "crossing": Golden(drawing(CROSSING)),
+    "islands": Golden(drawing(ISLANDS)),
+    "one-room": Golden(drawing(ONE_ROOM)),
+    "default-home": Golden(synthetic(5, "home"), "default"),
+    "default-turned": Golden(synthetic(4, rotation_deg=30.0, cell_m=0.1), "default"),
 }
 """The golden recordings by name."""
 
@@ -105,18 +115,18 @@ MAPS: dict[str, Callable[[], OccupancyGrid]] = {
 def remade(folder: Path) -> Iterator[str]:
     """Record all golden maps anew in `folder`; what differs from the recordings that were there, as lines of text."""
     make_folder(folder)
-    for name, make in MAPS.items():
+    for name, (make, preset) in MAPS.items():
         path = folder / f"{name}.mcap"
-        partial = record(make(), partial_name(path))
+        partial = record(make(), partial_name(path), preset)
         yield from _changes(name, path, partial)
         partial.replace(path)
 
 
-def record(grid: OccupancyGrid, path: Path) -> Path:
-    """Run the golden preset on a grid and record it."""
-    pipeline = preset_named(PRESET)
+def record(grid: OccupancyGrid, path: Path, preset: str) -> Path:
+    """Run a preset on a grid and record it."""
+    pipeline = preset_named(preset)
     settings = settings_of(pipeline, METHODS)
-    info = RunInfo(version=__version__, preset=PRESET, seed=SEED, settings=settings, source=grid.source)
+    info = RunInfo(version=__version__, preset=preset, seed=SEED, settings=settings, source=grid.source)
     try:
         sink = McapSink(path, info)
         pipeline(grid, np.random.default_rng(SEED), Recorder([sink]))

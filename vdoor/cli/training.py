@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -43,19 +44,19 @@ def train(
         "command": f"vdoor train --homes {homes} --offices {offices} --seed {seed}",
         "labelled_maps": 0,
     }
-    found = []
-    parts = training.synthetic_examples(homes, offices, seed, pipeline)
+    own: list[training.Lesson] = []
     if maps is not None and reference is not None:
-        own = training.labelled_examples(maps, reference, pipeline, bare=bare_map, resolution_m=resolution)
-        own = [training.weighted(part, weight) for part in own]
+        own = training.labelled_lessons(maps, reference, weight=weight, bare=bare_map, resolution_m=resolution)
         made["labelled_maps"] = len(own)
         made["command"] += f" --maps {maps.name} --reference {reference.name} --weight {weight:g}"
-        parts = itertools.chain(own, parts)
-    for part in parts:
-        found.append(part)
-        if len(found) % 50 == 0:
-            say(f"{len(found)} maps")
-    real = sum(int(part.real.sum()) for part in found)
-    said = sum(int((part.weight > 0).sum()) for part in found)
-    training.write_model(output, training.fitted(found, made | {"examples": said, "real_doors": real}))
-    print(f"{output}: {len(found)} maps, {said} virtual doors, {real} of them real")
+
+    def lessons() -> Iterator[training.Lesson]:
+        for number, lesson in enumerate(itertools.chain(own, training.synthetic_lessons(homes, offices, seed)), 1):
+            yield lesson
+            if number % 50 == 0:
+                say(f"{number} maps")
+
+    model = training.fitted_model(lessons, pipeline, made)
+    training.write_model(output, model)
+    said, real = (model.made[name] for name in ("examples", "real_doors"))
+    print(f"{output}: {len(own) + homes + offices} maps, {said} virtual doors, {real} of them real")

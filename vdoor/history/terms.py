@@ -35,11 +35,13 @@ def terms_of(run: History, generation: int) -> Iterator[Term]:
 
 
 def _energy(run: History, generation: int, cost: DoorEnergy) -> Iterator[Term]:
-    """What kept doors say and clash is summed again; the rest of the recorded energy is what rooms lack."""
+    """What doors say and clash is summed again; the rest of the recorded energy is what rooms lack."""
     found, problem = run.search[generation], run.problem
     kept = ~found.removed
-    says = Term("log-odds", -1.0, float(problem.log_odds[kept].sum() * LOG_ODDS_UNIT))
-    doors = Term("kept doors", -cost.bias, int(kept.sum()))
+    rooms, _ = problem.rooms(found.removed[None])
+    parting = kept & problem.parts_rooms(rooms)[0]
+    says = Term("log-odds", -1.0, float(problem.log_odds[parting].sum() * LOG_ODDS_UNIT))
+    doors = Term("parting doors", -cost.bias, int(parting.sum()))
     clashes = Term("clashes", cost.clash_weight, int((kept[problem.rivals[0]] & kept[problem.rivals[1]]).sum()))
     rest = found.best_cost - says.cost - doors.cost - clashes.cost
     yield Term("lack of area", cost.lack_weight, rest / cost.lack_weight if cost.lack_weight else 0.0, "rooms")

@@ -55,7 +55,11 @@ class MapCost:
 
 @dataclass(frozen=True, kw_only=True)
 class DoorEnergy:
-    """Weights of the energy over doors that have scores: what the kept ones say, against what their rooms lack."""
+    """Weights of the energy over scored doors: what those that part rooms say, against what their rooms lack.
+
+    A kept door around which one can walk says nothing: where three gaps must be shut to part two rooms, none of them
+    is a door without the others.
+    """
 
     room_m2: Annotated[float, Within(0, 1e6)] = 2.0
     """Room threshold T."""
@@ -82,7 +86,7 @@ class DoorEnergy:
         energy = (
             self.lack_weight * totals.lacking_m2 / max(self.room_m2, 1e-9)
             + self.clash_weight * totals.clashes
-            - (totals.log_odds + self.bias * totals.doors)
+            - (totals.log_odds + self.bias * totals.separating)
         )
         return terms._replace(cost=energy)
 
@@ -98,8 +102,10 @@ class Totals(NamedTuple):
     tilt_squared_deg2: Number
     lacking_m2: Number
     """What rooms lack of the room threshold, summed over the smaller ones."""
+    separating: Number
+    """Kept doors that part rooms; 0 where doors have no scores."""
     log_odds: Number
-    """Summed over the kept doors; 0 where doors have no scores."""
+    """Summed over those."""
     clashes: Number
     """Pairs of rivals of which both doors are kept."""
 
@@ -138,6 +144,10 @@ class MergeProblem:
         self.log_odds, self.rivals = odds_and_rivals(initial, scores)
         worst = (np.arange(self.edges), initial.length_m, initial.tilt_rad)
         bias = cost.bias if isinstance(cost, DoorEnergy) else 0.0
+        self.scored = scores is not None
+        self.border_region = initial.border_region
+        """Regions that each edge borders, flat; `border_start` (edges,) says where they begin."""
+        self.border_start = np.searchsorted(initial.border_edge, np.arange(self.edges))
         self.gain = self.log_odds * LOG_ODDS_UNIT + bias
         """What keeping each door (edges,) saves, room terms aside; of use with scores only."""
         self.worst_first = np.lexsort(worst)[::-1] if scores is None else np.argsort(self.log_odds, kind="stable")
@@ -170,6 +180,17 @@ class MergeProblem:
         _, room = connected_components(graph, directed=False)
         return room.reshape(choices, count).astype(np.intp, copy=False), is_open
 
+    def parts_rooms(self, room: NDArray[np.intp]) -> Bits:
+        """Which doors (p, edges) have several rooms around them, where nodes (p, nodes) are of these rooms.
+
+        None where doors have no scores: it matters to the energy alone.
+        """
+        if not (self.scored and self.edges):
+            return np.zeros((len(room), self.edges), np.bool_)
+        beside = room[:, self.border_region]
+        least = np.minimum.reduceat(beside, self.border_start, axis=1)
+        return np.asarray(least != np.maximum.reduceat(beside, self.border_start, axis=1))
+
     def evaluate(self, removed: Bits) -> Costs:
         """Eq. 7 of each choice (p, edges); bit 1 = door removed. Memory is bounded however many there are."""
         parts = [
@@ -192,6 +213,7 @@ class MergeProblem:
             )
 
         kept = ~removed
+        separating = kept & self.parts_rooms(room)
         return self.cost(
             Totals(
                 rooms=total(np.ones(len(cells))).astype(np.int64),
@@ -201,7 +223,8 @@ class MergeProblem:
                 doors=kept.sum(axis=1),
                 tilt_squared_deg2=(kept * self.tilt).sum(axis=1) * TILT_UNIT_DEG2,
                 lacking_m2=total(np.maximum(self.threshold_cells - cells, 0)) * self.cell_m2,
-                log_odds=(kept * self.log_odds).sum(axis=1) * LOG_ODDS_UNIT,
+                separating=separating.sum(axis=1),
+                log_odds=(separating * self.log_odds).sum(axis=1) * LOG_ODDS_UNIT,
                 clashes=(kept[:, self.rivals[0]] & kept[:, self.rivals[1]]).sum(axis=1),
             ),
             sqrt=np.sqrt,

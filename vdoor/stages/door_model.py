@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vdoor.errors import SettingError
-from vdoor.stages.features import FEATURES
+from vdoor.stages.features import FEATURES, FIRST
 
 Floats = NDArray[np.float64]
 SHIPPED = "shipped"
@@ -40,23 +40,27 @@ class Curve:
 
 
 @dataclass(frozen=True)
-class DoorModel:
+class Rough:
+    """Which maps count as ragged."""
+
+    middle_per_m: float = 0.75
+    """Corners per metre of boundary at which a map counts as half rough: floors have 0.2 to 0.7, homes 1 to 2.5."""
+    softness: float = 0.24
+    """How far from that, as a factor's logarithm, the share of rough changes by one unit of log-odds."""
+
+    def share(self, corners_per_m: float) -> float:
+        """How much a map counts as rough, 0 to 1."""
+        away = math.log(max(corners_per_m, 1e-3) / self.middle_per_m) / self.softness
+        return 1 / (1 + math.exp(-min(max(away, -30.0), 30.0)))
+
+
+@dataclass(frozen=True)
+class Curves:
     """Curves by feature; their sum and the bias are the log-odds of a door."""
 
     curves: Mapping[str, Curve]
     bias_clean: float
     bias_rough: float
-    middle_per_m: float
-    """Corners per metre of boundary at which a map counts as half rough."""
-    softness: float
-    """How far from that, as a factor's logarithm, the share of rough changes by one unit of log-odds."""
-    made: Mapping[str, Any]
-    """By which command, from which maps and seed."""
-
-    def share_rough(self, corners_per_m: float) -> float:
-        """How much a map counts as rough, 0 to 1."""
-        away = math.log(max(corners_per_m, 1e-3) / self.middle_per_m) / self.softness
-        return 1 / (1 + math.exp(-min(max(away, -30.0), 30.0)))
 
     def bias(self, share_rough: float) -> float:
         """Log-odds of a door of which nothing is known."""
@@ -72,20 +76,38 @@ class DoorModel:
         return np.asarray(self.says(features, share_rough).sum(axis=1) + self.bias(share_rough))
 
 
+@dataclass(frozen=True)
+class DoorModel:
+    """What is said of a door at a first look, and once the surest doors are shut."""
+
+    first: Curves
+    """For `FIRST`."""
+    last: Curves
+    """For `FEATURES`."""
+    rough: Rough
+    made: Mapping[str, Any]
+    """By which command, from which maps and seed."""
+
+
 def model_from(table: Mapping[str, Any]) -> DoorModel:
     """The model in a table as `table_of` makes it."""
-    if tuple(table["curves"]) != FEATURES:
-        other = sorted({*FEATURES} ^ {*table["curves"]})
+    first, last = (_curves(table[look], names) for look, names in (("first", FIRST), ("last", FEATURES)))
+    middle_per_m, softness = (_number(table["rough"][name]) for name in ("middle_per_m", "softness"))
+    if min(middle_per_m, softness) <= 0:
+        raise ValueError("rough: a number that is not above 0")
+    return DoorModel(first, last, Rough(middle_per_m, softness), dict(table["made"]))
+
+
+def _curves(table: Mapping[str, Any], names: tuple[str, ...]) -> Curves:
+    """The curves of one look, which are for these features."""
+    if tuple(table["curves"]) != names:
+        other = sorted({*names} ^ {*table["curves"]})
         raise ValueError(f"curves for other features: {', '.join(other[:3]) or 'in another order'}")
     curves = {
         name: _curve(name, *(curve[part] for part in ("at", "clean", "rough")))
         for name, curve in table["curves"].items()
     }
-    middle_per_m, softness = (_number(table["rough"][name]) for name in ("middle_per_m", "softness"))
-    if min(middle_per_m, softness) <= 0:
-        raise ValueError("rough: a number that is not above 0")
-    bias_clean, bias_rough = (_number(table["bias"][name]) for name in ("clean", "rough"))
-    return DoorModel(curves, bias_clean, bias_rough, middle_per_m, softness, dict(table["made"]))
+    return Curves(curves, *(_number(table["bias"][name]) for name in ("clean", "rough")))
 
 
 def _number(value: object) -> float:
@@ -107,11 +129,18 @@ def table_of(model: DoorModel) -> dict[str, Any]:
     """The model as a table for JSON, how it was made first."""
     return {
         "made": dict(model.made),
-        "rough": {"middle_per_m": model.middle_per_m, "softness": model.softness},
-        "bias": {"clean": model.bias_clean, "rough": model.bias_rough},
+        "rough": {"middle_per_m": model.rough.middle_per_m, "softness": model.rough.softness},
+        "first": _table(model.first),
+        "last": _table(model.last),
+    }
+
+
+def _table(look: Curves) -> dict[str, Any]:
+    return {
+        "bias": {"clean": look.bias_clean, "rough": look.bias_rough},
         "curves": {
             name: {"at": list(curve.at), "clean": list(curve.clean), "rough": list(curve.rough)}
-            for name, curve in model.curves.items()
+            for name, curve in look.curves.items()
         },
     }
 

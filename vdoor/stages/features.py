@@ -9,7 +9,9 @@ from scipy.spatial import cKDTree
 from vdoor.grid import FREE
 from vdoor.stages.around import around_the_contour
 from vdoor.stages.doors import KINDS, VirtualDoors
+from vdoor.stages.rays import Padded
 from vdoor.stages.segments import Segments
+from vdoor.stages.shut import SHUT
 from vdoor.stages.simplify import REASONS, SimplifiedGrid
 from vdoor.stages.space import clearance, space_beside
 from vdoor.stages.trace import BoundaryPath
@@ -18,7 +20,7 @@ from vdoor.stages.walls import ends_known, in_wall, wall_runs
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-FEATURES = (
+FIRST = (
     "length_m",
     "pair",
     "extension",
@@ -59,12 +61,15 @@ FEATURES = (
     "island_m",
     "longer_than_rival_m",
 )
+"""Of a first look, by which the surest doors are found."""
+FEATURES = (*FIRST, *SHUT)
+"""Of all that is known once those are shut."""
 
 
-def door_features(
+def first_features(
     simplified: SimplifiedGrid, path: BoundaryPath, doors: VirtualDoors, rows: Ints, corner_sample: NDArray[np.int32]
 ) -> Floats:
-    """The values (k, features) of `FEATURES` for the chosen rows of `doors`."""
+    """The values (k, features) of `FIRST` for the chosen rows of `doors`."""
     free = simplified.cells == FREE
     door = Segments(doors, rows)
     found: dict[str, Floats] = {"length_m": door.length_m}
@@ -72,13 +77,14 @@ def door_features(
         found[name] = (doors.kind[rows] == number).astype(np.float64)
     found |= in_wall(free, door)
     found |= ends_known(simplified, door)
-    found |= space_beside(free, door)
-    found |= clearance(free, door)
+    open_ = Padded(free, False)
+    found |= space_beside(open_, door)
+    found |= clearance(free, open_, door)
     found |= wall_runs(free, door)
     found |= around_the_contour(path, door, doors, rows, corner_sample)
     found |= removed_on_the_line(simplified, doors, rows)
     found["longer_than_rival_m"] = longer_than_rival(door)
-    return np.stack([found[name] for name in FEATURES], axis=1)
+    return np.stack([found[name] for name in FIRST], axis=1)
 
 
 def removed_on_the_line(simplified: SimplifiedGrid, doors: VirtualDoors, rows: Ints) -> dict[str, Floats]:

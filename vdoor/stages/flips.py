@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import itertools
 import math
 from collections.abc import Iterable
 from typing import TYPE_CHECKING
@@ -37,10 +38,14 @@ class FlipState:
             self.rivals[a].append(b)
             self.rivals[b].append(a)
         self.sums = [0.0, 0.0, 0.0, 0.0, 0.0]  # rooms, small rooms, cells, squared cells, cells lacking
-        # kept doors, their squared tilts, log-odds and clashes
-        self.doors = [problem.edges, sum(self.tilt), sum(self.log_odds), problem.rivals.shape[1]]
+        # kept doors, their squared tilts and clashes; those that part rooms, and their log-odds
+        self.doors = [problem.edges, sum(self.tilt), problem.rivals.shape[1], 0, 0]
+        self.regions_of, self.edges_of = _borders(problem)
+        self.separates = [False] * problem.edges
         self._next_room = 0
         self._add_rooms([node for node in range(len(self.cells)) if not self.kept_doors[node]])
+        for edge in range(problem.edges):
+            self._judge(edge)
         for edge in removed:
             self._flip(edge)
         self.cost = self._cost()
@@ -94,18 +99,28 @@ class FlipState:
         change = 1 if keeps else -1
         self.doors[0] += change
         self.doors[1] += change * self.tilt[edge]
-        self.doors[2] += change * self.log_odds[edge]
-        self.doors[3] += change * sum(not self.removed[rival] for rival in self.rivals[edge])
+        self.doors[2] += change * sum(not self.removed[rival] for rival in self.rivals[edge])
         switched = []
         for node in self.nodes_of_edge[edge]:
             self.kept_doors[node] += change
             if self.kept_doors[node] == (1 if keeps else 0):
                 switched.append(node)
         if not switched:
+            self._judge(edge)
             return
         touched = switched if keeps else [near for node in switched for near in self.neighbours[node]]
         nodes = self._take_rooms({self.room_of[node] for node in touched} - {-1})
         self._add_rooms([node for node in nodes if not self.kept_doors[node]] + ([] if keeps else switched))
+        for near in {edge, *(one for node in nodes for one in self.edges_of[node])}:
+            self._judge(near)
+
+    def _judge(self, edge: int) -> None:
+        """Count a door among those that part rooms, or no longer."""
+        now = not self.removed[edge] and len({self.room_of[region] for region in self.regions_of[edge]}) > 1
+        if now != self.separates[edge]:
+            self.separates[edge] = now
+            self.doors[3] += 1 if now else -1
+            self.doors[4] += self.log_odds[edge] if now else -self.log_odds[edge]
 
     def _take_rooms(self, rooms: Iterable[int]) -> list[int]:
         """Remove rooms from the sums and return their nodes."""
@@ -158,8 +173,9 @@ class FlipState:
             self.doors[0],
             self.doors[1] * TILT_UNIT_DEG2,
             lacking * cell_m2,
-            self.doors[2] * LOG_ODDS_UNIT,
             self.doors[3],
+            self.doors[4] * LOG_ODDS_UNIT,
+            self.doors[2],
         )
         return float(self.problem.cost(totals, sqrt=math.sqrt).cost)
 
@@ -170,6 +186,19 @@ def _neighbours(problem: MergeProblem) -> list[list[int]]:
         near[a].append(b)
         near[b].append(a)
     return near
+
+
+def _borders(problem: MergeProblem) -> tuple[list[list[int]], list[list[int]]]:
+    """Regions that each edge borders, and edges that border each node; none where doors have no scores."""
+    regions: list[list[int]] = [[] for _ in range(problem.edges)]
+    edges: list[list[int]] = [[] for _ in problem.cells]
+    if problem.scored:
+        ends = [*problem.border_start.tolist(), len(problem.border_region)]
+        for edge, (begin, end) in enumerate(itertools.pairwise(ends)):
+            regions[edge] = problem.border_region[begin:end].tolist()
+            for region in regions[edge]:
+                edges[region].append(edge)
+    return regions, edges
 
 
 def _covers(problem: MergeProblem) -> tuple[list[list[int]], list[int]]:

@@ -13,6 +13,9 @@ from vdoor.stages.cost import Bits, Costs, MergeProblem
 from vdoor.stages.flips import FlipState
 from vdoor.stages.search import Generation, summary
 
+SURELY = 1e-9
+"""A change is made where it costs less by more than this, not by rounding alone."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class MemeticSearch:
@@ -75,8 +78,8 @@ def climbed(problem: MergeProblem, removed: Bits) -> Bits:
         for edge in range(problem.edges):
             rivals = [rival for rival in state.rivals[edge] if not state.removed[rival]]
             if state.removed[edge] and rivals:
-                state.try_flips([*rivals, edge])
+                state.try_flips([*rivals, edge], -SURELY)
             else:
-                state.try_flip(edge, 0.0)
-        better = state.cost < before - 1e-9  # not by rounding alone
+                state.try_flip(edge, -SURELY)
+        better = state.cost < before
     return np.array(state.removed, np.bool_)

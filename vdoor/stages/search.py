@@ -25,9 +25,10 @@ class Generation(Record):
     number: Annotated[int, Spec("count")]
     evaluations: Annotated[int, Spec("count")]
     """Strings evaluated so far."""
-    best_cost: Annotated[float, Spec("number", tolerance=1e-9)]
-    mean_cost: Annotated[float, Spec("number", tolerance=1e-9)]
-    worst_cost: Annotated[float, Spec("number", tolerance=1e-9)]
+    # Log-odds are sums of logarithms, whose last bits are the machine's, rounded to billionths.
+    best_cost: Annotated[float, Spec("number", tolerance=1e-6)]
+    mean_cost: Annotated[float, Spec("number", tolerance=1e-6)]
+    worst_cost: Annotated[float, Spec("number", tolerance=1e-6)]
     small_rooms: Annotated[int, Spec("count")]
     """NumSmallNode of the best string."""
     area_sd_m2: Annotated[float, Spec("number", unit="m2", tolerance=1e-9)]

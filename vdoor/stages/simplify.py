@@ -23,8 +23,10 @@ ROBOT_REACH_M = 0.5
 THIN_LONG_M = 1.0
 PART_WIDTH_M = 1.2
 SURE_SHARE = 0.7
+CHANNEL_LONG_M = 0.4
+EPSILON = 1e-9
 AROUND = ((0, 0), (0, 1), (0, 2), (1, 0), (1, 2), (2, 0), (2, 1), (2, 2))
-REASONS = ("as it was", "unreachable", "jut", "notch", "island", "thin unknown")
+REASONS = ("as it was", "unreachable", "jut", "notch", "island", "thin unknown", "slit")
 
 
 class SimplifiedGrid(Record):
@@ -56,6 +58,10 @@ class SimplifyGrid:
     """Obstacles standing free whose bounding box is at most this long are removed; 0 keeps all (paper)."""
     thin_unknown_m: Annotated[float, Within(0, 1)] = 0.0
     """Unknown lines up to this thick with free space around them become free; 0 keeps them (paper)."""
+    slit_m: Annotated[float, Within(0, 1)] = 0.0
+    """Free space up to this wide is closed: hollow walls, cracks in them, single rays; 0 keeps it (paper)."""
+    channel_m: Annotated[float, Within(0, 1)] = 0.0
+    """So is space up to this wide that goes on for more than 0.4 m, where no robot fits through; 0 keeps it (paper)."""
     least_part_m2: Annotated[float, Within(0, 1e6)] = 0.0
     """Free parts of at least this area, with room for 1.2 m by 1.2 m, are kept beside the largest, unless the robot's
     place is given; 0 = only one (paper)."""
@@ -85,6 +91,7 @@ class SimplifyGrid:
             islands = small_islands(free, max(1, round(self.max_island_m / frame.resolution_m)))
             free |= islands
             reason[islands] = REASONS.index("island")
+        free = self._without_slits(free, reason, frame)
         run = max(1, round(self.jut_m / frame.resolution_m))
         for name, changed in zip(("jut", "notch"), flatten(free, run, self.passes), strict=True):
             reason[changed] = REASONS.index(name)
@@ -96,6 +103,18 @@ class SimplifyGrid:
         cells[wall] = OCCUPIED
         reason[cells == before] = 0
         return SimplifiedGrid(cells=cells, reason=reason, factor=factor, frame=frame)
+
+    def _without_slits(self, free: Mask, reason: NDArray[np.uint8], frame: Frame) -> Mask:
+        """The free cells that are left without the narrow ones, and can be reached so; all, where these are all."""
+        slit, channel = (int(width_m / frame.resolution_m + EPSILON) for width_m in (self.slit_m, self.channel_m))
+        narrow = narrower(free, slit) | long_pieces(narrower(free, channel), CHANNEL_LONG_M / frame.resolution_m)
+        wide = free & ~narrow
+        if not (narrow.any() and wide.any()):
+            return free
+        kept = self._reachable(wide, frame)
+        reason[narrow] = REASONS.index("slit")
+        reason[wide & ~kept] = REASONS.index("unreachable")
+        return kept
 
     def _reachable(self, free: Mask, frame: Frame) -> Mask:
         """The 4-connected component of `free` that holds the robot, else the largest."""
@@ -175,11 +194,7 @@ def thin_unknown(cells: NDArray[np.int8], thick: int, longest: int) -> Mask:
     mended = np.zeros(cells.shape, np.bool_)
     enough = free >= SURE_SHARE * near.shape[0]
     mended[row[enough], col[enough]] = True
-    labels = label_cells(mended, connectivity=2)
-    short = np.zeros(labels.max() + 1, np.bool_)
-    for label, place in enumerate(ndimage.find_objects(labels), start=1):
-        short[label] = max(side.stop - side.start for side in place) <= longest
-    return np.asarray(short[labels])
+    return mended & ~long_pieces(mended, longest, connectivity=2)
 
 
 def small_islands(free: Mask, size: int) -> Mask:
@@ -190,6 +205,25 @@ def small_islands(free: Mask, size: int) -> Mask:
     for label, box in enumerate(ndimage.find_objects(labels), start=1):
         small[label] = label != outer and max(side.stop - side.start for side in box) <= size
     return np.asarray(small[labels][1:-1, 1:-1])
+
+
+def narrower(free: Mask, thick: int) -> Mask:
+    """Free cells where no free square of more than `thick` cells a side has room."""
+    if not thick:
+        return np.zeros_like(free)
+    side = thick + 1
+    box = np.ones((side, side), np.bool_)
+    padded = np.pad(free, side)  # or squares would be cut off by the edge
+    return free & ~ndimage.binary_opening(padded, box)[side:-side, side:-side]
+
+
+def long_pieces(mask: Mask, least: float, connectivity: int = 1) -> Mask:
+    """The connected pieces of `mask` (1: by sides, 2: by corners as well) in boxes more than `least` cells long."""
+    labels = label_cells(mask, connectivity=connectivity)
+    long = np.zeros(labels.max() + 1, np.bool_)
+    for label, place in enumerate(ndimage.find_objects(labels), start=1):
+        long[label] = max(side.stop - side.start for side in place) > least
+    return np.asarray(long[labels])
 
 
 def touches(free: Mask) -> Mask:

@@ -14,13 +14,15 @@ Mask = NDArray[np.bool_]
 
 CLEARANCE_REACHES_M = (0.6, 1.2, 2.0)
 BESIDE_M = (-0.3, -0.15, 0.0, 0.15, 0.3)
+BESIDE = ("wider_min_m", "wider_max_m", "wider_far_min_m", "wider_far_max_m", "depth_min_m", "depth_max_m")
+CLEARANCE = tuple(f"clear_{reach_m:g}_{which}_m" for reach_m in CLEARANCE_REACHES_M for which in ("min", "max"))
+"""Features that look into the space before and behind a door."""
 FAR_M = 3.0
 """Farther away nothing is looked at."""
 
 
-def space_beside(free: Mask, door: Segments) -> dict[str, Floats]:
+def space_beside(open_: Padded, door: Segments) -> dict[str, Floats]:
     """How much wider than the door the space is beside it, and how deep it is before it."""
-    open_ = Padded(free, False)
     wider = {}
     for away_m in (0.4, 0.7):
         for name, sign in (("l", -1), ("r", 1)):
@@ -40,10 +42,10 @@ def space_beside(free: Mask, door: Segments) -> dict[str, Floats]:
     }
 
 
-def clearance(free: Mask, door: Segments) -> dict[str, Floats]:
+def clearance(free: Mask, open_: Padded, door: Segments) -> dict[str, Floats]:
     """Whether space opens up behind the door: room around places met on the way, against half the door's length."""
     away = ndimage.distance_transform_edt(np.pad(free, 1))[1:-1, 1:-1]
-    distance, open_ = Padded(away, 0.0), Padded(free, False)
+    distance = Padded(away, 0.0)
     half_m = door.length_m / 2
     found = {"clear_middle_m": distance.at(*door.middle.T).astype(np.float64) * door.cell_m - half_m}
     steps = np.arange(1, max(1, int(max(CLEARANCE_REACHES_M) / door.cell_m * 2)) + 1) / 2

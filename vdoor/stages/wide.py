@@ -40,17 +40,17 @@ DIRECTIONS = 128
 class ProposeWideDoors:
     """Join convex corners to each other, to the nearest boundaries around them, and along their own walls' lines."""
 
-    pair_m: Annotated[float, Within(0, 20)] = 2.7
+    pair_m: Annotated[float, Within(0, 20)] = 2.6
     """Longest door between two corners."""
-    single_m: Annotated[float, Within(0, 20)] = 2.5
+    single_m: Annotated[float, Within(0, 20)] = 2.2
     """Longest door from a corner to a boundary."""
-    extension_m: Annotated[float, Within(0, 20)] = 3.5
+    extension_m: Annotated[float, Within(0, 20)] = 3.2
     """Longest door along the line of a wall that ends in a corner."""
-    apart_cosine: Annotated[float, Within(-1, 1)] = 0.8
+    apart_cosine: Annotated[float, Within(-1, 1)] = 0.3
     """Of two boundaries whose directions from a corner have a greater cosine, only the nearer one is joined."""
-    pair_detour: Annotated[float, Within(0, 100)] = 1.5
+    pair_detour: Annotated[float, Within(0, 100)] = 2.5
     """Two corners of one contour make a door only if the path between them is so many times longer than the door."""
-    single_detour: Annotated[float, Within(0, 100)] = 1.8
+    single_detour: Annotated[float, Within(0, 100)] = 2.5
     """The same for a corner and a boundary."""
     wall_m: Annotated[float, Within(0.01, 5)] = 0.5
     """Length of wall beside a corner that tells the wall's direction."""

@@ -15,6 +15,8 @@ from vdoor.synth.plan import Axis, Rect
 MARGIN_M = 1.0
 CUBICLE_M = (2.0, 3.6)
 CUBICLE_GAP_M = (0.9, 2.0)
+BLOCK_M, BLOCK_GAP_M = (0.1, 0.8), (0.6, 1.5)
+"""Thickness of what parts a hall, and the openings left in it."""
 JAMB_M, FLUSH_M = (0.1, 0.45), (0.0, 0.05)
 """Wall left beside doors near a corner."""
 BETWEEN_M = (5.5, 15.0)
@@ -29,6 +31,9 @@ def draw_office_plan(settings: Office, rng: np.random.Generator) -> Layout:
     door = fine(rng.uniform(settings.door_min_m, settings.door_max_m))
     sketch = Sketch(settings, rng, wall, door, FLUSH_M if rng.random() < settings.flush_chance else JAMB_M)
     _arrange(sketch)
+    for hall in sketch.halls:
+        if sketch.chance(settings.divided_hall_chance):
+            _divide_hall(sketch, hall)
     add_doors(sketch)
     close_corridors(sketch)
     floors = sketch.corridors + sketch.rooms + sketch.halls
@@ -81,9 +86,20 @@ def _arrange(sketch: Sketch) -> None:
     for bottom, depth in ((MARGIN_M, below), (mains[-1].high[1] + wall, above)):
         _outer_row(sketch, Rect((low, bottom), (high, bottom + depth)), 0)
     if count > 1:
-        for left, right in ((low, ends[0] - wall), (ends[1] + wall, high)):
-            if right - left > 2.0:  # noqa: PLR2004
-                _outer_row(sketch, Rect((left, mains[0].low[1]), (right, mains[-1].high[1])), 1)
+        _beyond_ends(sketch, (low, high), ends, mains)
+
+
+def _beyond_ends(sketch: Sketch, outer: tuple[float, float], ends: tuple[float, float], mains: list[Rect]) -> None:
+    """Fill the columns beyond the main corridors' ends, if any: with rooms, or with a hall that they run into."""
+    (low, high), wall = outer, sketch.wall_m
+    for left, right, mouth in ((low, ends[0] - wall, ends[0] - wall), (ends[1] + wall, high, ends[1])):
+        if right - left <= 2.0:  # noqa: PLR2004  # the corridors run to the floor's edge
+            continue
+        column = Rect((left, mains[0].low[1]), (right, mains[-1].high[1]))
+        if sketch.chance(sketch.settings.end_hall_chance):
+            _end_hall(sketch, column, mains, mouth)
+        else:
+            _outer_row(sketch, column, 1)
 
 
 def _end_columns(sketch: Sketch, low: float, high: float) -> tuple[float, float]:
@@ -146,6 +162,32 @@ def _with_anteroom(sketch: Sketch, room: Rect, across: Axis) -> list[Rect]:
         room.spanning(across, room.low[across], at),
         room.spanning(across, at + sketch.wall_m, room.high[across]),
     ]
+
+
+def _end_hall(sketch: Sketch, column: Rect, mains: list[Rect], mouth: float) -> None:
+    """Add a hall that the main corridors run into, in all their width."""
+    sketch.halls.append(column)
+    for main in mains:
+        rect = Rect((mouth, main.low[1]), (fine(mouth + sketch.wall_m), main.high[1]))
+        sketch.gaps.append(Gap(rect, 0, leaf=False, unsure=main.sides[1] >= sketch.settings.unsure_from_m))
+
+
+def _divide_hall(sketch: Sketch, hall: Rect) -> None:
+    """Part a hall by a row of blocks with openings between them, through all of which one can walk."""
+    rng = sketch.rng
+    along: Axis = 0 if hall.sides[0] < hall.sides[1] else 1
+    across: Axis = 1 if along == 0 else 0
+    at = fine(hall.low[across] + hall.sides[across] * rng.uniform(0.3, 0.7))
+    row = hall.spanning(across, at, fine(at + rng.uniform(*BLOCK_M)))
+    count = int(rng.integers(1, 4))
+    share = hall.sides[along] / count
+    if share < BLOCK_GAP_M[1] + 1.0:
+        return
+    sketch.solids.append(row)
+    for k in range(count):
+        width = fine(rng.uniform(*BLOCK_GAP_M))
+        low = fine(row.low[along] + k * share + rng.uniform(0.1, share - width - 0.1))
+        sketch.gaps.append(Gap(row, across).in_wall(low, width, leaf=False))
 
 
 def _outer_row(sketch: Sketch, rect: Rect, along: Axis) -> None:

@@ -48,6 +48,10 @@ class Office:
     """Chance of a door across a corridor, for each of its spans."""
     mouth_chance: float = 0.4
     """Chance of a floor whose cross corridors are parted from the main ones where they meet."""
+    end_hall_chance: float = 0.5
+    """Chance that what lies beyond the corridors' end is a hall they run into, not a column of rooms."""
+    divided_hall_chance: float = 0.3
+    """Chance that a hall is parted by a row of blocks with openings between them."""
     anteroom_chance: float = 0.08
     """Chance that a room is divided in two, one behind the other."""
     notch_chance: float = 0.45
@@ -60,7 +64,7 @@ class Office:
     rough_chance: float = 0.4
     """Chance of a floor that was scanned, not drawn: rough walls, a few rays."""
     rough_max: float = 0.2
-    rotated_chance: float = 0.6
+    rotated_chance: float = 0.75
     """Chance of a floor that does not lie straight: by up to 6 degrees, two in five of them by up to 45."""
     cell_m: float = 0.05
 
@@ -99,6 +103,8 @@ BOUNDS: Mapping[str, tuple[float, float]] = MappingProxyType(
                 "extra_door_chance",
                 "corridor_door_chance",
                 "anteroom_chance",
+                "end_hall_chance",
+                "divided_hall_chance",
                 "notch_chance",
                 "flush_chance",
                 "mouth_chance",

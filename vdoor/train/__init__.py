@@ -4,25 +4,18 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from typing import Any
 
 from vdoor.files import write_whole
 from vdoor.pipeline import PRESETS, Pipeline
 from vdoor.stages.door_model import DoorModel, table_of
-from vdoor.train.examples import (
-    Examples,
-    RealDoors,
-    examples,
-    marked_real,
-    real_doors,
-    synthetic_examples,
-    weighted,
-)
-from vdoor.train.fit import fitted
-from vdoor.train.labelled import labelled_examples
+from vdoor.train.examples import Lesson, RealDoors, marked_real, real_doors, synthetic_lessons
+from vdoor.train.fit import fitted_model
+from vdoor.train.labelled import labelled_lessons
 
 __all__ = [
-    "Examples", "RealDoors", "default_pipeline", "examples", "fitted", "labelled_examples", "marked_real", "real_doors",
-    "synthetic_examples", "weighted", "write_model",
+    "Lesson", "RealDoors", "default_pipeline", "fitted_model", "labelled_lessons", "marked_real", "real_doors",
+    "synthetic_lessons", "write_model",
 ]  # fmt: skip
 
 
@@ -36,6 +29,11 @@ def default_pipeline() -> Pipeline:
 def write_model(path: Path, model: DoorModel) -> None:
     """The model as JSON, one curve a line."""
     table = table_of(model)
-    curves = ",\n".join(f"  {json.dumps(name)}: {json.dumps(curve)}" for name, curve in table.pop("curves").items())
-    head = ",\n".join(f" {json.dumps(name)}: {json.dumps(value)}" for name, value in table.items())
-    write_whole(path, f'{{\n{head},\n "curves": {{\n{curves}\n }}\n}}\n'.encode())
+    looks = [f' "{look}": {_one_curve_a_line(table.pop(look))}' for look in ("first", "last")]
+    head = [f" {json.dumps(name)}: {json.dumps(value)}" for name, value in table.items()]
+    write_whole(path, "{{\n{}\n}}\n".format(",\n".join([*head, *looks])).encode())
+
+
+def _one_curve_a_line(look: dict[str, Any]) -> str:
+    curves = ",\n".join(f"   {json.dumps(name)}: {json.dumps(curve)}" for name, curve in look["curves"].items())
+    return f'{{\n  "bias": {json.dumps(look["bias"])},\n  "curves": {{\n{curves}\n  }}\n }}'

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,9 +13,10 @@ from numpy.typing import NDArray
 from vdoor.grid import OccupancyGrid
 from vdoor.pipeline import Pipeline
 from vdoor.record import Frame
+from vdoor.stages.door_model import Curves, Rough
 from vdoor.stages.doors import PROPOSED
-from vdoor.stages.features import door_features
-from vdoor.stages.score import corners_per_m
+from vdoor.stages.features import first_features
+from vdoor.stages.score import ScoreDoors, corners_per_m
 from vdoor.stages.segments import Segments
 from vdoor.synth import Home, Office, SyntheticMap, synthesize
 
@@ -22,7 +24,7 @@ Floats = NDArray[np.float64]
 
 HIT_M, MISS_M, UNSURE_M = 0.3, 0.5, 1.0
 """A virtual door is real with its middle this near to a real one's, not one from there on; in between nobody asks."""
-COARSE_EVERY = 5
+COARSE_EVERY = 4
 MOST_TURNED_RAD = math.radians(35)
 
 
@@ -75,32 +77,35 @@ class Examples:
     feature: Floats
     real: Floats
     weight: Floats
-    corners_per_m: float
+    share_rough: float
 
 
-def weighted(part: Examples, weight: float) -> Examples:
-    """The examples, each counting so many times."""
-    return replace(part, weight=part.weight * weight)
+class Lesson(NamedTuple):
+    """A map, its real doors, and how much they count."""
+
+    grid: OccupancyGrid
+    real: RealDoors
+    weight: float = 1.0
 
 
-def synthetic_examples(homes: int, offices: int, seed: int, pipeline: Pipeline) -> Iterator[Examples]:
-    """Examples from so many synthetic homes and office floors; equal seeds give equal ones."""
+def synthetic_lessons(homes: int, offices: int, seed: int) -> Iterator[Lesson]:
+    """So many synthetic homes and office floors; equal seeds give equal ones."""
     for number, count in enumerate((homes, offices)):
         for index in range(count):
             made = synthesize(drawn_kind(number, index), np.random.default_rng([seed, number, index]))
-            yield examples(made.grid, real_doors(made), pipeline)
+            yield Lesson(made.grid, real_doors(made))
 
 
 def drawn_kind(number: int, index: int) -> Home | Office:
-    """Settings of the index-th home (0) or floor (1): one floor in five has coarse cells."""
+    """Settings of the index-th home (0) or floor (1): one floor in four has coarse cells."""
     if number == 0:
         return Home()
     return Office(cell_m=0.1) if index % COARSE_EVERY == 0 else Office()
 
 
-def examples(grid: OccupancyGrid, real: RealDoors, pipeline: Pipeline) -> Examples:
-    """The proposed doors of a map as examples."""
-    simplified = pipeline.simplify(grid)
+def examples(lesson: Lesson, pipeline: Pipeline, first_look: Curves | None = None) -> Examples:
+    """The proposed doors of a map as examples: of a first look, or, where that is learnt, of a second one."""
+    simplified = pipeline.simplify(lesson.grid)
     path = pipeline.trace(simplified)
     curvature = pipeline.curvature(path)
     corners = pipeline.corners(path, curvature, pipeline.candidates(path, curvature))
@@ -108,9 +113,16 @@ def examples(grid: OccupancyGrid, real: RealDoors, pipeline: Pipeline) -> Exampl
     rows = np.flatnonzero(doors.verdict == PROPOSED)
     segments = Segments(doors, rows)
     ends_m = [doors.frame.world_from_cell(ends) for ends in (segments.start, segments.end)]
-    label, weight = judged(ends_m[0], ends_m[1], real)
-    feature = door_features(simplified, path, doors, rows, corners.sample)
-    return Examples(feature, label, weight, corners_per_m(path, corners))
+    label, weight = judged(ends_m[0], ends_m[1], lesson.real)
+    share_rough = Rough().share(corners_per_m(path, corners))
+    if first_look is None:
+        feature = first_features(simplified, path, doors, rows, corners.sample)
+    else:
+        assert isinstance(pipeline.score, ScoreDoors)
+        feature, _ = pipeline.score.looked(
+            simplified, path, corners, doors, first_look=first_look, share_rough=share_rough
+        )
+    return Examples(feature, label, weight * lesson.weight, share_rough)
 
 
 def judged(start_m: Floats, end_m: Floats, real: RealDoors) -> tuple[Floats, Floats]:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+import itertools
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
 import numpy as np
@@ -10,71 +11,100 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize
 
 from vdoor.errors import VdoorError
-from vdoor.stages.door_model import Curve, DoorModel
-from vdoor.stages.features import FEATURES
-from vdoor.train.examples import Examples
+from vdoor.pipeline import Pipeline
+from vdoor.stages.door_model import Curve, Curves, DoorModel, Rough
+from vdoor.stages.features import FEATURES, FIRST
+from vdoor.stages.shut import SHUT
+from vdoor.train.examples import Examples, Lesson, examples
 
 Floats = NDArray[np.float64]
 
-MIDDLE_PER_M, SOFTNESS = 0.75, 0.24
-"""Between drawn floors (0.2 to 0.7 corners per metre) and homes (1 to 2.5)."""
+FIRST_EVERY = 3
+"""One map in three is enough for the first look."""
 QUANTILES = (0.01, 0.1, 0.25, 0.5, 0.75, 0.9, 0.99)
 """Where curves bend."""
 SMOOTH, RIDGE, TOGETHER = 10.0, 2.0, 10.0
 """How strongly bends, values, and the difference between clean and ragged maps are held down."""
 
 
+def fitted_model(lessons: Callable[[], Iterable[Lesson]], pipeline: Pipeline, made: dict[str, Any]) -> DoorModel:
+    """Curves for both looks; `lessons` gives the same maps each time, `made` is completed by what they held."""
+    some = itertools.islice(lessons(), 0, None, FIRST_EVERY)
+    first = fitted([examples(lesson, pipeline) for lesson in some], FIRST)
+    data = [examples(lesson, pipeline, first) for lesson in lessons()]
+    said = sum(int((part.weight > 0).sum()) for part in data)
+    real = sum(int(part.real.sum()) for part in data)
+    return DoorModel(
+        first, fitted(data, FEATURES, clean_only=SHUT), Rough(), {**made, "examples": said, "real_doors": real}
+    )
+
+
 def fitted(
     data: Sequence[Examples],
-    made: dict[str, Any],
+    names: Sequence[str],
     *,
+    clean_only: Sequence[str] = (),
     smooth: float = SMOOTH,
     ridge: float = RIDGE,
     together: float = TOGETHER,
-) -> DoorModel:
-    """The curves that make the examples likeliest, kept smooth and small."""
-    feature = np.concatenate([part.feature for part in data])
-    real = np.concatenate([part.real for part in data])
-    weight = np.concatenate([part.weight for part in data])
+) -> Curves:
+    """The curves that make the examples likeliest, kept smooth and small.
+
+    Features that are `clean_only` say nothing of ragged maps, where furniture is taken for doors.
+    """
+    feature, real, weight, share = (
+        np.concatenate(parts)
+        for parts in zip(
+            *((part.feature, part.real, part.weight, np.full(len(part.real), part.share_rough)) for part in data),
+            strict=True,
+        )
+    )
     keep = weight > 0
     if not keep.any():
         raise VdoorError("train: wanted virtual doors to fit to, found none")
-    blank = DoorModel({}, 0.0, 0.0, MIDDLE_PER_M, SOFTNESS, {})
-    share = np.concatenate([np.full(len(part.real), blank.share_rough(part.corners_per_m)) for part in data])
     feature, real, weight, share = feature[keep], real[keep], weight[keep], share[keep]
     knots = [knots_of(column) for column in feature.T]
     hats = np.concatenate([hat_basis(column, at) for column, at in zip(feature.T, knots, strict=True)], axis=1)
-    basis = np.concatenate(
-        [hats * (1 - share)[:, None], hats * share[:, None], np.stack([1 - share, share], 1)], axis=1
-    )
-    penalty = penalties(knots, smooth, ridge)
-    size = hats.shape[1]
+    both = np.concatenate([np.full(len(at), name not in clean_only) for name, at in zip(names, knots, strict=True)])
+    columns = [hats * (1 - share)[:, None], (hats * share[:, None])[:, both], np.stack([1 - share, share], axis=1)]
+    basis = np.concatenate(columns, axis=1)
+    found = likeliest(basis, real, weight, _holding(penalties(knots, smooth, ridge), both, together))
 
-    def loss(c: Floats) -> tuple[float, Floats]:
-        z = basis @ c
-        value = float((weight * (np.logaddexp(0, z) - real * z)).sum())
-        gradient = basis.T @ (weight * (1 / (1 + np.exp(-z)) - real))
-        for part in (slice(0, size), slice(size, 2 * size)):
-            pc = penalty @ c[part]
-            value += 0.5 * float(c[part] @ pc)
-            gradient[part] += pc
-        apart = c[:size] - c[size : 2 * size]
-        value += 0.5 * together * float(apart @ apart)
-        gradient[:size] += together * apart
-        gradient[size : 2 * size] -= together * apart
-        return value, gradient
-
-    found = minimize(loss, np.zeros(basis.shape[1]), jac=True, method="L-BFGS-B", options={"maxiter": 400}).x
-    begin = np.cumsum([0, *map(len, knots)])
+    clean, rough = found[: len(both)], np.zeros(len(both))
+    rough[both] = found[len(both) : -2]
+    begin = np.cumsum([0, *map(len, knots)]).tolist()
     curves = {
         name: Curve(
             tuple(float(f"{x:.4g}") for x in at),
-            tuple(float(f"{x:.4f}") for x in found[low : low + len(at)]),
-            tuple(float(f"{x:.4f}") for x in found[size + low : size + low + len(at)]),
+            *(tuple(float(f"{x:.4f}") for x in side[low : low + len(at)]) for side in (clean, rough)),
         )
-        for name, at, low in zip(FEATURES, knots, begin[:-1], strict=True)
+        for name, at, low in zip(names, knots, begin[:-1], strict=True)
     }
-    return DoorModel(curves, round(float(found[-2]), 4), round(float(found[-1]), 4), MIDDLE_PER_M, SOFTNESS, made)
+    return Curves(curves, round(float(found[-2]), 4), round(float(found[-1]), 4))
+
+
+def likeliest(basis: Floats, real: Floats, weight: Floats, holding: Floats) -> Floats:
+    """Coefficients (c,) of a logistic regression on `basis` (n, c), held by the quadratic form (c, c)."""
+
+    def loss(c: Floats) -> tuple[float, Floats]:
+        z, held = basis @ c, holding @ c
+        value = float((weight * (np.logaddexp(0, z) - real * z)).sum()) + 0.5 * float(c @ held)
+        return value, basis.T @ (weight * (1 / (1 + np.exp(-z)) - real)) + held
+
+    found = minimize(loss, np.zeros(basis.shape[1]), jac=True, method="L-BFGS-B", options={"maxiter": 400})
+    return np.asarray(found.x)
+
+
+def _holding(penalty: Floats, both: NDArray[np.bool_], together: float) -> Floats:
+    """The quadratic form on clean and rough values and the two biases, which are free."""
+    clean, rough = np.arange(len(both)), len(both) + np.arange(np.count_nonzero(both))
+    holding = np.zeros((len(both) + len(rough) + 2,) * 2)
+    holding[np.ix_(clean, clean)] = penalty
+    holding[np.ix_(rough, rough)] = penalty[np.ix_(both, both)]
+    for one, other in ((clean[both], rough), (rough, clean[both])):
+        holding[one, one] += together
+        holding[one, other] -= together
+    return holding
 
 
 def knots_of(column: Floats) -> Floats:

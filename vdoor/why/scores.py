@@ -91,12 +91,12 @@ def reasons_of(scores: DoorScores, row: int, *, model: str) -> tuple[float | Non
     curves = model_used(scores, row, model=model)
     if curves is None:
         return None, []
-    says = curves.says(scores.feature[[row]], scores.share_rough)[0]
+    says = curves.last.says(scores.feature[[row]], scores.share_rough)[0]
     reasons = [
         Reason(feature=name, value=float(scores.feature[row, at]), log_odds=float(says[at]))
         for at, name in enumerate(FEATURES)
     ]
-    return curves.bias(scores.share_rough), sorted(reasons, key=lambda reason: -reason.log_odds)
+    return curves.last.bias(scores.share_rough), sorted(reasons, key=lambda reason: -reason.log_odds)
 
 
 def model_used(scores: DoorScores, row: int, *, model: str) -> DoorModel | None:
@@ -105,9 +105,7 @@ def model_used(scores: DoorScores, row: int, *, model: str) -> DoorModel | None:
         curves = model_named(model)
     except SettingError:
         return None
-    if tuple(curves.curves) != FEATURES:
-        return None
-    again = curves.log_odds(scores.feature[[row]], scores.share_rough)[0]
+    again = curves.last.log_odds(scores.feature[[row]], scores.share_rough)[0]
     return curves if abs(again - scores.log_odds[row]) <= SAME_LOG_ODDS else None
 
 

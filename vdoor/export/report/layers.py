@@ -37,6 +37,7 @@ REASON_COLOURS: dict[str, style.Glass] = {
     "notch": style.NOTCH,
     "island": style.ISLAND,
     "thin unknown": style.THIN_UNKNOWN,
+    "slit": style.SLIT,
 }
 OTHER: style.Colour = (160, 60, 140)
 """For words that have no colour of their own."""

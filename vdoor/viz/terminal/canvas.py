@@ -34,6 +34,7 @@ INKS = (
     Ink("notch filled", "#2f7fc1", "%"),
     Ink("island removed", "#e0a030", "o"),
     Ink("thin unknown freed", "#b9a6dd", "i"),
+    Ink("slit closed", "#4fa3a0", "s"),
     Ink("path", "#3f8efc", ":"),
     Ink("bend", "#f2c14e", "b"),
     Ink("sharp bend", "#e4572e", "B"),
