@@ -15,6 +15,7 @@ __all__ = ["RECORDS", "random_record"]
 
 R = TypeVar("R", bound=Record)
 
+TEXTS = ("", "Kitchen", "a = b", "Küche", "台所", "حمّام", "کتاب\u200cخانه", "🛏")  # noqa: RUF001  # any language
 SPECIAL = np.array([np.inf, -np.inf, np.nan, 0.0, -0.0, 5e-324, 1.7976931348623157e308])
 
 
@@ -26,7 +27,10 @@ def random_record(record: type[R], rng: np.random.Generator, *, sizes: Mapping[s
         shape = tuple(
             int(axis) if axis.isdigit() else lengths.setdefault(axis, int(rng.integers(0, 7))) for axis in spec.axes
         )
-        fields[name] = _scalar(spec, rng) if dtype is None else _array(spec, rng, shape=shape, dtype=dtype)
+        if spec.kind == "text":
+            fields[name] = tuple(map(str, rng.choice(TEXTS, shape))) if rng.random() < 0.5 else ()
+        else:
+            fields[name] = _scalar(spec, rng) if dtype is None else _array(spec, rng, shape=shape, dtype=dtype)
     if "frame" in record.__dataclass_fields__:  # type: ignore[attr-defined]  # made a dataclass by Record
         height, width = (lengths.get(axis, int(rng.integers(0, 100))) for axis in ("height", "width"))
         fields["frame"] = Frame(height, width, float(rng.uniform(0.01, 0.5)), *rng.normal(0, 10, 3).tolist())

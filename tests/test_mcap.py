@@ -102,6 +102,7 @@ def test_viewers_get_the_final_map_as_markers_and_picture(tmp_path: Path) -> Non
         "centre": np.array([[0, 0], [0, 3]], np.int32),
         "room_a": np.array([1], np.int32),
         "room_b": np.array([2], np.int32),
+        "name": ("", "Küche"),
         "frame": grid.frame,
     }
     final = dataclasses.replace(drawn, **door, **rooms)
@@ -111,7 +112,7 @@ def test_viewers_get_the_final_map_as_markers_and_picture(tmp_path: Path) -> Non
     assert [(p.x, p.y) for p in doors.points] == [(1.25, 0.0), (1.25, 1.0)]
     assert [(p.x, p.y) for p in links.points] == [(1.25, 0.5), (0.25, 0.75), (1.25, 0.5), (1.75, 0.75)]
     assert [(p.x, p.y) for p in centres.points] == [(0.25, 0.75), (1.75, 0.75)]
-    assert [label.text for label in labels] == ["1", "2"]
+    assert [label.text for label in labels] == ["1", "Küche"]
     picture = Image.open(io.BytesIO(messages["/vdoor/map/picture"].data.tobytes())).convert("RGB")
     seen = np.asarray(picture)
     assert seen[0, 2].tolist() == [0, 0, 0]

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from vdoor.errors import MapError, MapWarning, RecordingError, SettingError, VdoorError
     from vdoor.formats import read_map
     from vdoor.grid import OccupancyGrid
+    from vdoor.matching import Match, match
     from vdoor.pipeline import PRESETS, Pipeline, run
     from vdoor.topology import Door, Room, TopologicalMap
 
@@ -24,6 +25,7 @@ __all__ = [
     "Door",
     "MapError",
     "MapWarning",
+    "Match",
     "OccupancyGrid",
     "Pipeline",
     "RecordingError",
@@ -31,6 +33,7 @@ __all__ = [
     "SettingError",
     "TopologicalMap",
     "VdoorError",
+    "match",
     "read_map",
     "run",
 ]
@@ -39,6 +42,7 @@ _HOME = {
     "errors": ("MapError", "MapWarning", "RecordingError", "SettingError", "VdoorError"),
     "formats": ("read_map",),
     "grid": ("OccupancyGrid",),
+    "matching": ("Match", "match"),
     "pipeline": ("PRESETS", "Pipeline", "run"),
     "topology": ("Door", "Room", "TopologicalMap"),
 }

@@ -66,9 +66,12 @@ def with_settings(pipeline: T, tables: Mapping[str, Any], choices: Choices, *, p
 def replaced(stage: Any, values: Mapping[str, Any], place: str) -> Any:
     """One dataclass with some settings replaced, types and ranges checked."""
     current = {field.name: getattr(stage, field.name) for field in dataclasses.fields(stage)}
-    ranges = ranges_of(type(stage))
+    ranges, hints = ranges_of(type(stage)), get_type_hints(type(stage))
     for name, value in values.items():
         _check_name(name, current, place, "setting")
+        if hints[name] == tuple[str, ...]:
+            current[name] = _texts(value, f"{place}.{name}")
+            continue
         current[name] = _like(current[name], value, f"{place}.{name}")
         if name in ranges and not ranges[name].low <= current[name] <= ranges[name].high:
             raise SettingError(f"{place}.{name}: wanted {ranges[name].low:g} to {ranges[name].high:g}, found {value!r}")
@@ -91,6 +94,13 @@ def _like(default: Any, value: Any, place: str) -> Any:
     if not good:
         raise SettingError(f"{place}: wanted {_kind(default)}, found {value!r}")
     return value
+
+
+def _texts(value: Any, place: str) -> tuple[str, ...]:
+    """The value as texts."""
+    if not isinstance(value, (list, tuple)) or not all(isinstance(part, str) for part in value):
+        raise SettingError(f"{place}: wanted a list of texts, found {value!r}")
+    return tuple(value)
 
 
 def _kind(default: Any) -> str:
@@ -154,7 +164,7 @@ def commented(stage: Any) -> list[str]:
         span = f"{ranges[field.name].low:g} to {ranges[field.name].high:g}" if field.name in ranges else ""
         note = " ".join(part for part in (meaning.get(field.name), span and f"({span})") if part)
         lines += [f"# {line}" for line in textwrap.wrap(note, 100)]
-        lines.append(f"{field.name} = {json.dumps(_plain(getattr(stage, field.name)))}")
+        lines.append(f"{field.name} = {json.dumps(_plain(getattr(stage, field.name)), ensure_ascii=False)}")
     return lines
 
 

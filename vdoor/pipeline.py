@@ -23,6 +23,7 @@ from vdoor.stages.corners import Candidates, Corners, FindCandidates, FindCorner
 from vdoor.stages.cost import DoorEnergy, MapCost, MergeProblem
 from vdoor.stages.curvature import Curvature, EstimateCurvature
 from vdoor.stages.doors import ProposeDoors, VirtualDoors
+from vdoor.stages.edit import EditRooms, Edits
 from vdoor.stages.memetic import MemeticSearch
 from vdoor.stages.merge import MergeRooms
 from vdoor.stages.rooms import DivideRooms, InitialMap
@@ -49,6 +50,7 @@ RECORDS: tuple[type[Record], ...] = (
     Certificate,
     ErodedSpace,
     GrownRooms,
+    Edits,
     TopologicalMap,
 )
 """All that runs emit, in this order; `Generation` as often as the search has generations. Which of them a run emits is
@@ -85,6 +87,7 @@ class Pipeline:
     search: GeneticSearch | ExhaustiveSearch | AnnealingSearch | MemeticSearch = field(default_factory=GeneticSearch)
     certify: NoProof | BoundEnergy = field(default_factory=NoProof)
     merge: MergeRooms = field(default_factory=MergeRooms)
+    edit: EditRooms = field(default_factory=EditRooms)
 
     @property
     def records(self) -> tuple[type[Record], ...]:
@@ -93,12 +96,13 @@ class Pipeline:
         left_out |= {DoorScores} if isinstance(self.score, NoScores) else set()
         proven = isinstance(self.certify, BoundEnergy) and isinstance(self.cost, DoorEnergy)
         left_out |= set() if proven else {Certificate}
+        left_out |= set() if self.edit.edits else {Edits}
         return tuple(record for record in RECORDS if record not in left_out)
 
     def __call__(self, grid: OccupancyGrid, rng: np.random.Generator, emit: Emit = silent) -> TopologicalMap:
         """Rooms and doors of `grid`; `emit` sees every stage's record on the way."""
-        emit(grid)
-        simplified = emit(self.simplify(grid))
+        opened = self.edit.opened(emit(grid))
+        simplified = emit(self.simplify(opened))
         path = emit(self.trace(simplified))
         curvature = emit(self.curvature(path))
         candidates = emit(self.candidates(path, curvature))
@@ -113,7 +117,10 @@ class Pipeline:
         certificate = self.certify(problem, best)
         if certificate is not None:
             emit(certificate)
-        return emit(self.merge(grid, simplified, initial, best, problem))
+        topology, edits = self.edit(self.merge(opened, simplified, initial, best, problem), grid)
+        if edits is not None:
+            emit(edits)
+        return emit(topology)
 
 
 AnyPipeline = Pipeline | VoronoiDoorsPipeline | ErodedSpacePipeline
@@ -122,7 +129,9 @@ AnyPipeline = Pipeline | VoronoiDoorsPipeline | ErodedSpacePipeline
 PRESETS: dict[str, AnyPipeline] = {
     "paper": Pipeline(),
     "default": Pipeline(
-        simplify=SimplifyGrid(cell_m=0.0, thin_unknown_m=0.1, least_part_m2=1.0, max_island_m=1.0),
+        simplify=SimplifyGrid(
+            cell_m=0.0, thin_unknown_m=0.1, least_part_m2=1.0, max_island_m=1.0, slit_m=0.1, channel_m=0.3
+        ),
         doors=ProposeWideDoors(),
         score=ScoreDoors(),
         cost=DoorEnergy(),

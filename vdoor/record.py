@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import re
 from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar, Literal, dataclass_transform, get_args, get_origin, get_type_hints
 
@@ -19,10 +20,12 @@ from numpy.typing import NDArray
 
 from vdoor.errors import RecordingError
 
-Kind = Literal["occupancy", "codes", "labels", "column", "cell", "code", "bits", "number", "count"]
+Kind = Literal["occupancy", "codes", "labels", "column", "cell", "code", "bits", "number", "count", "text"]
 RASTERS: tuple[Kind, ...] = ("occupancy", "codes", "labels")
 COLUMNS: tuple[Kind, ...] = ("column", "cell", "code")
 SCALARS: tuple[Kind, ...] = ("number", "count")
+TEXT = re.compile("[\x20-\x7e\xa0-\u2027\u202f-\u2065\u206a-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]{0,100}")
+"""A line of any language: no control characters, none that break lines or turn the direction of what follows."""
 
 
 @dataclass(frozen=True)
@@ -38,6 +41,7 @@ class Spec:
         code        a column of uint8, an index into `words`
         bits        one flag per element of a table that lives in another record
         number, count  a float, an int
+    text        a tuple with a line of text for each element of a table, or with none at all
     shape
         names of the axes; equal names have equal length within a record, a number is itself
     tolerance
@@ -102,6 +106,8 @@ class Record:
         lengths: dict[str, int] = {}
         for name, (spec, dtype) in specs(type(self)).items():
             value = getattr(self, name)
+            if spec.kind == "text" and value:
+                self._check_texts(name, value, lengths.setdefault(spec.shape, len(value)))
             if dtype is None:
                 continue
             if not isinstance(value, np.ndarray) or value.dtype != dtype or value.ndim != len(spec.axes):
@@ -117,9 +123,18 @@ class Record:
             frozen.flags.writeable = False
             object.__setattr__(self, name, frozen)
 
+    def _check_texts(self, name: str, texts: tuple[str, ...], wanted: int) -> None:
+        """Raise `RecordingError` for texts that are not lines, or not as many as wanted."""
+        if not isinstance(texts, tuple) or not all(isinstance(text, str) and TEXT.fullmatch(text) for text in texts):
+            msg = f"{type(self).__name__}.{name}: wanted lines of at most 100 characters, found others"
+            raise RecordingError(msg)
+        if len(texts) != wanted:
+            msg = f"{type(self).__name__}.{name}: wanted {wanted} texts or none, found {len(texts)}"
+            raise RecordingError(msg)
+
 
 def specs(record: type[Record]) -> dict[str, tuple[Spec, np.dtype[Any] | None]]:
-    """Fields of a record that carry a `Spec`, in order, with their dtype (None for plain numbers)."""
+    """Fields of a record that carry a `Spec`, in order, with their dtype (None for plain numbers and texts)."""
     if record not in _SPECS:
         _SPECS[record] = _read_specs(record)
     return _SPECS[record]
@@ -136,7 +151,8 @@ def _read_specs(record: type[Record]) -> dict[str, tuple[Spec, np.dtype[Any] | N
         if get_origin(hint) is not Annotated:
             continue
         base, spec = get_args(hint)[:2]
-        found[field.name] = (spec, None if spec.kind in SCALARS else np.dtype(get_args(get_args(base)[1])[0]))
+        plain = spec.kind == "text" or spec.kind in SCALARS
+        found[field.name] = (spec, None if plain else np.dtype(get_args(get_args(base)[1])[0]))
     return found
 
 

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Annotated, ClassVar
 
 import networkx as nx
 import numpy as np
 from numpy.typing import NDArray
 
+from vdoor.errors import RecordingError, SettingError
 from vdoor.record import Frame, Record, Spec
 from vdoor.stages.doors import KINDS
+from vdoor.stages.runs import runs_of
 
 Polygon = tuple[tuple[tuple[float, float], ...], ...]
 
@@ -36,6 +40,13 @@ class Room:
     neighbours: tuple[int, ...]
     corners: tuple[Corner, ...]
     """The corner features that form its boundary."""
+    name: str = ""
+    """What its people call it; empty where nobody said."""
+
+    @property
+    def title(self) -> str:
+        """Its name, or else `room` and its id."""
+        return self.name or f"room {self.id}"
 
 
 @dataclass(frozen=True)
@@ -53,11 +64,15 @@ class Door:
     tilt_deg: float
     """Angle to the nearer of the grid's axes."""
     kind: str
-    """pair, single, or passage (too narrow for the working resolution)."""
+    """pair, single, extension, passage (too narrow for the working resolution), or added (by an edit)."""
 
 
 class TopologicalMap(Record):
-    """Rooms as nodes, doors as edges, at the input's resolution. Room ids are 1, 2, ... and labels carry them."""
+    """Rooms as nodes, doors as edges, at the input's resolution.
+
+    Room ids are what the labels hold: 1, 2, ... in reading order, unless edits say otherwise. Columns of the rooms have
+    their rows in rising order of the ids, see `room_ids`.
+    """
 
     topic: ClassVar[str] = "map"
 
@@ -66,6 +81,8 @@ class TopologicalMap(Record):
     centre: Annotated[NDArray[np.int32], Spec("cell", "room 2")]
     """The room's own cell nearest to its mean."""
     area_m2: Annotated[NDArray[np.float64], Spec("column", "room", unit="m2", tolerance=1e-9)]
+    name: Annotated[tuple[str, ...], Spec("text", "room")] = ()
+    """What people call the rooms, empty where nobody said; none at all where no room has a name."""
     edge: Annotated[NDArray[np.int32], Spec("column", "door")]
     """Edge of the initial map, -1 for a passage too narrow for the working resolution."""
     start_m: Annotated[NDArray[np.float64], Spec("column", "door 2", unit="m", tolerance=1e-9)]
@@ -93,35 +110,97 @@ class TopologicalMap(Record):
     @property
     def doors(self) -> list[Door]:
         """All doors, ids 1, 2, ... in order."""
-        return [
-            Door(
-                id=row + 1,
-                rooms=(int(self.room_a[row]), int(self.room_b[row])),
-                start_m=_point(self.start_m[row]),
-                end_m=_point(self.end_m[row]),
-                length_m=float(self.length_m[row]),
-                width_m=float(self.width_m[row]),
-                tilt_deg=float(np.degrees(self.tilt_rad[row])),
-                kind=KINDS[self.kind[row]],
-            )
-            for row in range(len(self.kind))
-        ]
+        return [self._door(row) for row in range(len(self.kind))]
 
     @property
     def rooms(self) -> list[Room]:
-        """All rooms, ids 1, 2, ... in order."""
-        centre_m = self.frame.world_from_cell(self.centre)
-        return [
-            Room(
-                id=room,
-                area_m2=float(self.area_m2[room - 1]),
-                centre_m=_point(centre_m[room - 1]),
-                polygon_m=self.polygon_m(room),
-                neighbours=self.neighbours(room),
-                corners=self.corners(room),
-            )
-            for room in range(1, len(self.area_m2) + 1)
-        ]
+        """All rooms by rising id."""
+        return [self._room(row) for row in range(len(self.room_ids))]
+
+    @cached_property
+    def room_ids(self) -> tuple[int, ...]:
+        """Ids of the rooms, rising: those that the labels hold, one for each row of the rooms' columns.
+
+        Raises `RecordingError` where a recording holds other rows.
+        """
+        ids = np.unique(runs_of(self.labels).label).tolist()
+        if len(ids) != len(self.area_m2):
+            raise RecordingError(f"map: wanted a row for each of {len(ids)} rooms, found {len(self.area_m2)}")
+        return tuple(ids)
+
+    def room(self, number: int) -> Room:
+        """The room of that id; `SettingError` where there is none."""
+        return self._room(self.room_row(number))
+
+    def room_row(self, number: int) -> int:
+        """Row of a room by its id in `centre`, `area_m2` and `name`; `SettingError` where there is none."""
+        if number not in self.room_ids:
+            raise SettingError(f"room: wanted one of {', '.join(map(str, self.room_ids)) or 'none'}, found {number}")
+        return self.room_ids.index(number)
+
+    def room_named(self, name: str) -> Room:
+        """The room of that name; `SettingError` where there is none, or more than one."""
+        rows = [row for row, own in enumerate(self.name) if own == name]
+        if len(rows) != 1:
+            known = ", ".join(repr(own) for own in self.name if own) or "none"
+            raise SettingError(f"room: wanted the name of one room, found {name!r}; names are {known}")
+        return self._room(rows[0])
+
+    def room_at(self, place_m: tuple[float, float]) -> Room | None:
+        """The room whose cell lies at x, y of the map frame; None where there is none."""
+        cell = self.cell_at(place_m)
+        label = int(self.labels[cell]) if cell else 0
+        return self.room(label) if label else None
+
+    def cell_at(self, place_m: tuple[float, float]) -> tuple[int, int] | None:
+        """Row, col of the cell at x, y of the map frame; None outside the map."""
+        row, col = np.floor(self.frame.cell_from_world(np.array([place_m]))[0] + 0.5).tolist()
+        inside = 0 <= row < self.frame.height and 0 <= col < self.frame.width
+        return (int(row), int(col)) if inside else None
+
+    def door(self, number: int) -> Door:
+        """The door of that id; `SettingError` where there is none."""
+        if not 1 <= number <= len(self.kind):
+            raise SettingError(f"door: wanted one of the map's {len(self.kind)} doors, found {number}")
+        return self._door(number - 1)
+
+    def doors_of(self, room: int) -> list[Door]:
+        """The doors that lead out of a room, by its id; `SettingError` where there is no such room."""
+        self.room_row(room)
+        return [self._door(row) for row in np.flatnonzero((self.room_a == room) | (self.room_b == room)).tolist()]
+
+    def edited(self, edits: Iterable[str]) -> TopologicalMap:
+        """The map after edits, one after the other, as in ``name 1.2,3.4 Kitchen``; see `vdoor.edits` for the others.
+
+        An edit that cannot be done here changes nothing. Raises `SettingError` for a line that is no edit.
+        """
+        from vdoor.stages.edit import EditRooms  # noqa: PLC0415  # which makes maps
+
+        return EditRooms(edits=tuple(edits))(self).topology
+
+    def _door(self, row: int) -> Door:
+        return Door(
+            id=row + 1,
+            rooms=(int(self.room_a[row]), int(self.room_b[row])),
+            start_m=_point(self.start_m[row]),
+            end_m=_point(self.end_m[row]),
+            length_m=float(self.length_m[row]),
+            width_m=float(self.width_m[row]),
+            tilt_deg=float(np.degrees(self.tilt_rad[row])),
+            kind=KINDS[self.kind[row]],
+        )
+
+    def _room(self, row: int) -> Room:
+        room = self.room_ids[row]
+        return Room(
+            id=room,
+            area_m2=float(self.area_m2[row]),
+            centre_m=_point(self.frame.world_from_cell(self.centre[row])[0]),
+            polygon_m=self.polygon_m(room),
+            neighbours=self.neighbours(room),
+            corners=self.corners(room),
+            name=self.name[row] if self.name else "",
+        )
 
     def polygon_m(self, room: int) -> Polygon:
         """Rings of one room as x, y."""
@@ -141,10 +220,10 @@ class TopologicalMap(Record):
         return tuple(np.unique(near).tolist())
 
     def to_networkx(self) -> nx.MultiGraph[int]:
-        """Rooms as nodes with area_m2 and centre_m, doors as edges keyed by their id with their own fields."""
+        """Rooms as nodes with name, area_m2 and centre_m, doors as edges keyed by their id with their own fields."""
         graph: nx.MultiGraph[int] = nx.MultiGraph()
         for room in self.rooms:
-            graph.add_node(room.id, area_m2=room.area_m2, centre_m=room.centre_m)
+            graph.add_node(room.id, name=room.name, area_m2=room.area_m2, centre_m=room.centre_m)
         for door in self.doors:
             graph.add_edge(
                 *door.rooms,

@@ -16,6 +16,7 @@ from vdoor.config import Within
 from vdoor.emit import Emit, silent
 from vdoor.grid import FREE, OccupancyGrid
 from vdoor.record import Frame, Record, Spec
+from vdoor.stages.edit import EditRooms, Edits
 from vdoor.stages.labels import at_input, flooded, numbered, whole
 from vdoor.stages.polygons import centres
 from vdoor.stages.runs import runs_of
@@ -104,17 +105,22 @@ class ErodedSpacePipeline:
     erode: ErodeSpace = field(default_factory=ErodeSpace)
     grow: GrowRooms = field(default_factory=GrowRooms)
     label: LabelRooms = field(default_factory=LabelRooms)
+    edit: EditRooms = field(default_factory=EditRooms)
 
     @property
     def records(self) -> tuple[type[Record], ...]:
         """What a run emits, in this order."""
-        return OccupancyGrid, SimplifiedGrid, ErodedSpace, GrownRooms, TopologicalMap
+        edits = [Edits] if self.edit.edits else []
+        return OccupancyGrid, SimplifiedGrid, ErodedSpace, GrownRooms, *edits, TopologicalMap
 
     def __call__(self, grid: OccupancyGrid, rng: np.random.Generator, emit: Emit = silent) -> TopologicalMap:
         """Rooms and doors of `grid`; `emit` sees every stage's record on the way. Nothing is drawn from `rng`."""
         del rng
-        emit(grid)
-        simplified = emit(self.simplify(grid))
+        opened = self.edit.opened(emit(grid))
+        simplified = emit(self.simplify(opened))
         eroded = emit(self.erode(simplified))
         grown = emit(self.grow(simplified, eroded))
-        return emit(self.label(grid, simplified, grown))
+        topology, edits = self.edit(self.label(opened, simplified, grown), grid)
+        if edits is not None:
+            emit(edits)
+        return emit(topology)

@@ -11,8 +11,7 @@ from vdoor.grid import OccupancyGrid
 from vdoor.record import Frame, Record, specs
 from vdoor.stages.corners import Corners
 from vdoor.stages.final_doors import contacts, passages_at
-from vdoor.stages.polygons import centres, polygons
-from vdoor.stages.runs import runs_of
+from vdoor.stages.final_map import Features, map_of
 from vdoor.stages.trace import BoundaryPath
 from vdoor.topology import TopologicalMap
 
@@ -35,18 +34,5 @@ def no_rows(record: type[Record]) -> dict[str, NDArray[Any]]:
 
 
 def map_of_labels(labels: Ints, grid: OccupancyGrid) -> TopologicalMap:
-    """The map of rooms (h, w) numbered 1, 2, ... without gaps; wherever two of them touch is a door."""
-    rooms = int(labels.max(initial=0))
-    vertex, vertex_room, vertex_ring = polygons(labels)
-    corners = {name: values for name, values in no_rows(TopologicalMap).items() if name.startswith("feature_")}
-    return TopologicalMap(
-        labels=labels,
-        centre=centres(labels, rooms),
-        area_m2=runs_of(labels).cells(rooms).astype(np.float64) * grid.frame.resolution_m**2,
-        **passages_at(*contacts(labels), grid.frame)._asdict(),
-        **corners,
-        vertex_m=grid.frame.world_from_cell(vertex - 0.5),
-        vertex_room=vertex_room,
-        vertex_ring=vertex_ring,
-        frame=grid.frame,
-    )
+    """The map of rooms (h, w); wherever two of them touch is a door."""
+    return map_of(labels, grid.frame, passages_at(*contacts(labels), grid.frame), Features.none())

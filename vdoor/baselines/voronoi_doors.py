@@ -14,6 +14,7 @@ from vdoor.grid import FREE, OccupancyGrid
 from vdoor.record import Record
 from vdoor.stages.cost import MapCost, MergeProblem
 from vdoor.stages.doors import KINDS, PROPOSED, VERDICTS, Found, VirtualDoors, measures, without_duplicates
+from vdoor.stages.edit import EditRooms, Edits
 from vdoor.stages.lines import lines_between
 from vdoor.stages.merge import MergeRooms
 from vdoor.stages.rooms import DivideRooms, InitialMap
@@ -68,6 +69,7 @@ class VoronoiDoorsPipeline:
     divide: DivideRooms = field(default_factory=DivideRooms)
     cost: MapCost = field(default_factory=MapCost)
     merge: MergeRooms = field(default_factory=MergeRooms)
+    edit: EditRooms = field(default_factory=EditRooms)
 
     @property
     def records(self) -> tuple[type[Record], ...]:
@@ -80,21 +82,25 @@ class VoronoiDoorsPipeline:
             VirtualDoors,
             InitialMap,
             Generation,
+            *([Edits] if self.edit.edits else []),
             TopologicalMap,
         )
 
     def __call__(self, grid: OccupancyGrid, rng: np.random.Generator, emit: Emit = silent) -> TopologicalMap:
         """Rooms and doors of `grid`; `emit` sees every stage's record on the way. Nothing is drawn from `rng`."""
         del rng
-        emit(grid)
-        simplified = emit(self.simplify(grid))
+        opened = self.edit.opened(emit(grid))
+        simplified = emit(self.simplify(opened))
         skeleton = emit(self.skeleton(simplified))
         narrows = emit(self.narrows(simplified, skeleton))
         doors = emit(self.cross(simplified, narrows))
         initial = emit(self.divide(simplified, *without_corners(simplified.frame), doors))
         problem = MergeProblem(initial, self.cost)
         choice = emit(everything_kept(problem))
-        return emit(self.merge(grid, simplified, initial, choice, problem))
+        topology, edits = self.edit(self.merge(opened, simplified, initial, choice, problem), grid)
+        if edits is not None:
+            emit(edits)
+        return emit(topology)
 
 
 def everything_kept(problem: MergeProblem) -> Generation:

@@ -13,6 +13,8 @@ from vdoor.say import say
 if TYPE_CHECKING:
     from vdoor.grid import OccupancyGrid
     from vdoor.pipeline import AnyPipeline
+    from vdoor.places import Point
+    from vdoor.record import Frame
 
 PIPE = "-"
 MapFile = Annotated[
@@ -73,17 +75,19 @@ def chosen_pipeline(
 
 def robot_place(grid: OccupancyGrid, text: str | None, *, cells: bool) -> tuple[float, float] | None:
     """X,Y in the map frame from the command line."""
-    if text is None:
-        return None
-    try:
-        x, y = (float(part) for part in text.split(","))
-    except ValueError:
-        raise SettingError(f"--robot: wanted {'COL,ROW' if cells else 'X,Y'}, found {text!r}") from None
+    return None if text is None else place_in(grid.frame, text, what="--robot", cells=cells)
+
+
+def place_in(frame: Frame, text: str, *, what: str, cells: bool) -> Point:
+    """Place from the command line, X,Y of the map frame or COL,ROW of its cells; an error says `what` it is for."""
+    from vdoor.places import parse_place
+
+    x, y = parse_place(text, what=what, wanted="COL,ROW" if cells else "X,Y")
     if not cells:
         return x, y
     import numpy as np
 
-    x_m, y_m = grid.frame.world_from_cell(np.array([[y, x]]))[0].tolist()
+    x_m, y_m = frame.world_from_cell(np.array([[y, x]]))[0].tolist()
     return x_m, y_m
 
 

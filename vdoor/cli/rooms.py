@@ -2,24 +2,19 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import typer
 
-from vdoor.cli.options import Json
-from vdoor.errors import SettingError
+from vdoor.cli.options import Json, place_in
 from vdoor.say import say
 
 if TYPE_CHECKING:
     from vdoor.topology import Door, Room, TopologicalMap
 
 Result = Annotated[Path, typer.Argument(metavar="RESULT", help="An .mcap, or a folder of `vdoor run --out`.")]
-
-
-FARTHEST = 1e9
 
 
 class Line(NamedTuple):
@@ -37,6 +32,8 @@ COLUMNS: tuple[tuple[str, Callable[[Line], str]], ...] = (
     ("neighbours", lambda line: " ".join(map(str, line.room.neighbours)) or "none"),
 )
 """Head of each column of the table, and what it says of a room."""
+NAMES: tuple[tuple[str, Callable[[Line], str]], ...] = (("name", lambda line: line.room.name),)
+"""The same where rooms have names."""
 
 
 def rooms(result: Result, *, as_json: Json = False) -> None:
@@ -49,7 +46,8 @@ def rooms(result: Result, *, as_json: Json = False) -> None:
     if as_json:
         print(json.dumps({"rooms": [_table(line) for line in lines]}))
         return
-    cells = [[head for head, _ in COLUMNS], *([tell(line) for _, tell in COLUMNS] for line in lines)]
+    columns = [COLUMNS[0], *(NAMES if any(line.room.name for line in lines) else ()), *COLUMNS[1:]]
+    cells = [[head for head, _ in columns], *([tell(line) for _, tell in columns] for line in lines)]
     widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
     for row in cells:
         print("  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip())
@@ -65,30 +63,26 @@ def room_at(
     """Tell which room a place is in: 0 and the room's number, or 1 where there is no room."""
     import json
 
-    import numpy as np
-
     from vdoor.export import read_finished
+    from vdoor.places import parse_place
 
-    x, y = _pair(place, "COL,ROW" if cells else "X,Y")
+    parse_place(place, wanted="COL,ROW" if cells else "X,Y")  # refused before anything is read
     topology = read_finished(result).topology
-    cell = np.array([[y, x]]) if cells else topology.frame.cell_from_world(np.array([[x, y]]))
-    row, col = np.floor(cell[0] + 0.5).tolist()
-    inside = 0 <= row < topology.frame.height and 0 <= col < topology.frame.width
-    room = int(topology.labels[int(row), int(col)]) if inside else 0
+    place_m = place_in(topology.frame, place, what="place", cells=cells)
+    cell, room = topology.cell_at(place_m), topology.room_at(place_m)
     if as_json:
-        line = _table(next(line for line in _lines(topology) if line.room.id == room)) if room else None
-        print(json.dumps({"cell": [int(col), int(row)] if inside else None, "room": line}))
+        line = _table(Line(room, topology.doors_of(room.id))) if room else None
+        print(json.dumps({"cell": [cell[1], cell[0]] if cell else None, "room": line}))
     elif room:
-        print(f"room {room}")
+        print(f"room {room.id}{f'  {room.name}' * bool(room.name)}")
     if not room:
-        say(f"room-at: no room at {place}, {'a cell that is in none' if inside else 'outside the map'}: {result}")
+        say(f"room-at: no room at {place}, {'a cell that is in none' if cell else 'outside the map'}: {result}")
         raise typer.Exit(1)
 
 
 def _lines(topology: TopologicalMap) -> list[Line]:
     """All rooms in order."""
-    doors = topology.doors
-    return [Line(room, [door for door in doors if room.id in door.rooms]) for room in topology.rooms]
+    return [Line(room, topology.doors_of(room.id)) for room in topology.rooms]
 
 
 def _table(line: Line) -> dict[str, Any]:
@@ -96,6 +90,7 @@ def _table(line: Line) -> dict[str, Any]:
     room = line.room
     return {
         "id": room.id,
+        "name": room.name,
         "area_m2": room.area_m2,
         "centre_m": room.centre_m,
         "doors": [
@@ -104,14 +99,3 @@ def _table(line: Line) -> dict[str, Any]:
         ],
         "neighbours": room.neighbours,
     }
-
-
-def _pair(text: str, wanted: str) -> tuple[float, float]:
-    """Two numbers from the command line, of a size that a map can have."""
-    try:
-        x, y = (float(part) for part in text.split(","))
-    except ValueError:
-        raise SettingError(f"place: wanted {wanted}, found {text!r}") from None
-    if not math.hypot(x, y) < FARTHEST:
-        raise SettingError(f"place: wanted numbers below {FARTHEST:g}, found {text!r}")
-    return x, y

@@ -28,6 +28,7 @@ from vdoor.cli.options import (
     read_grid,
     robot_place,
 )
+from vdoor.cli.run_edits import EditNotes, leave_edits, matched, with_edits
 from vdoor.say import say
 
 if TYPE_CHECKING:
@@ -55,6 +56,17 @@ def run(
     seed: Seed = 0,
     robot: Annotated[str | None, typer.Option(metavar="X,Y", help="Where the robot is, m in the map frame.")] = None,
     cells: Annotated[bool, typer.Option("--cells", help="--robot is COL,ROW of the map instead.")] = False,
+    edits: Annotated[
+        Path | None, typer.Option("--edits", metavar="FILE.toml", help="Edits of rooms and doors, see `vdoor rename`.")
+    ] = None,
+    closed_door: Annotated[
+        list[str] | None,
+        typer.Option("--closed-door", metavar="X,Y", help="A wall that is a door which was shut; repeatable."),
+    ] = None,
+    match: Annotated[
+        Path | None,
+        typer.Option("--match", metavar="OLD", help="Older result or .mcap: rooms keep its ids, names and edits."),
+    ] = None,
     resolution: Resolution = None,
     unknown_value: Unknown = None,
     topic: Topic = None,
@@ -76,20 +88,26 @@ def run(
     outputs = Outputs(save=save, mcap=mcap, connect=connect, serve=serve, spawn=spawn)
     exports = RunExports(export or ())
     written = [*outputs.files, *([out / name for name in result.NAMES] if out else []), *exports.files]
-    _refuse_outputs(written, out, map_file, force=force)
+    _refuse_outputs(written, out, [map_file, *([edits] if edits else [])], force=force)
     grid = read_grid(map_file, resolution, unknown_value, max_cells, topic=topic, quiet=quiet)
     _refuse_sources(written, map_file, grid)
     pipeline = chosen_pipeline(preset, config, set_, robot=robot_place(grid, robot, cells=cells))
     pipeline = placed(pipeline, grid, quiet=quiet)
+    pipeline = with_edits(pipeline, edits, closed_door or (), grid)
+    found = None
+    if match is not None:
+        own = edits is not None
+        pipeline, found = matched(match, grid, pipeline, seed=seed, edits_too=not own, quiet=quiet)
     info = _info(grid, preset, pipeline, seed)
     with opened(outputs, info) as recording:
-        progress = [] if quiet else [Progress(verbose=verbose)]
-        watch = Stopwatch(Recorder([*recording.sinks, *exports.sinks(info), *progress]))
+        told = [*([] if quiet else [Progress(verbose=verbose)]), *EditNotes.sinks(pipeline, quiet=quiet)]
+        watch = Stopwatch(Recorder([*recording.sinks, *exports.sinks(info), *told]))
         topology = run_pipeline(grid, pipeline, seed=seed, emit=watch)
         recording.finish_files()
-        document = result.document_of(topology, info, watch.cpu_s)
+        document = result.document_of(topology, info, watch.cpu_s) | ({"match": found.document()} if found else {})
         if out:
             result.write_result(out, grid, topology, document)
+            leave_edits(out, pipeline.edit.edits, quiet=quiet)
         refused = exports.write(topology, grid, map_file)
         _print_result(topology, document, as_json=as_json)
         if refused:
@@ -107,12 +125,11 @@ def config(*, preset: Preset = "default", config: Config = None, set_: Set = Non
     print(to_toml(chosen_pipeline(preset, config, set_), METHODS), end="")
 
 
-def _refuse_outputs(written: Sequence[Path], folder: Path | None, map_file: Path, *, force: bool) -> None:
+def _refuse_outputs(written: Sequence[Path], folder: Path | None, reads: Sequence[Path], *, force: bool) -> None:
     """Raise `VdoorError` where something cannot be written, or would overwrite what it must not."""
-    from vdoor.files import refuse_existing, refuse_folder, refuse_input
+    from vdoor.files import refuse_existing, refuse_folder
 
-    refuse_existing(written, force=force)
-    refuse_input(map_file, written)
+    refuse_existing(written, force=force, reads=reads)
     if folder:
         refuse_folder(folder)
 
@@ -151,7 +168,7 @@ def _print_result(topology: TopologicalMap, document: dict[str, Any], *, as_json
         to = ", ".join(map(str, room.neighbours)) or "none"
         print(
             f"room {room.id:3d}  {room.area_m2:7.2f} m2  centre {room.centre_m[0]:.2f},{room.centre_m[1]:.2f}  "
-            f"neighbours {to}"
+            f"neighbours {to}{f'  {room.name}' * bool(room.name)}"
         )
     for door in doors:
         print(f"door {door.id:3d}  {door.width_m:7.2f} m   rooms {door.rooms[0]} and {door.rooms[1]}  {door.kind}")

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from vdoor.cli.options import Json
+from vdoor.cli.options import Json, place_in
 from vdoor.errors import SettingError
 from vdoor.say import say
 
@@ -89,24 +89,8 @@ def why(
     from vdoor.why.text import to_lines
 
     run = _read(recording)
-    answer = explain(run, _point(run, at, cells=cells), count=count)
+    answer = explain(run, place_in(run.input.frame, at, what="--at", cells=cells), count=count)
     print(json.dumps(dataclasses.asdict(answer)) if as_json else "\n".join(to_lines(answer)))
-
-
-def _point(run: History, text: str, *, cells: bool) -> tuple[float, float]:
-    """X,Y in the map frame from the command line."""
-    import numpy as np
-
-    try:
-        x, y = (float(part) for part in text.split(","))
-    except ValueError:
-        raise SettingError(f"--at: wanted {'COL,ROW' if cells else 'X,Y'}, found {text!r}") from None
-    if not (np.isfinite(x) and np.isfinite(y)):
-        raise SettingError(f"--at: wanted finite numbers, found {text!r}")
-    if not cells:
-        return x, y
-    x_m, y_m = run.input.frame.world_from_cell(np.array([[y, x]]))[0].tolist()
-    return x_m, y_m
 
 
 def _read(path: Path) -> History:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from vdoor.export import feature_collection
 from vdoor.export.feature_collection import feature
+from vdoor.export.finite import refuse_not_finite
 from vdoor.export.geometry import line_m, right_handed
 from vdoor.topology import Door, Room, TopologicalMap
 
@@ -14,6 +15,7 @@ def to_geojson(topology: TopologicalMap) -> str:
     Features are called `room-1`, `door-1`, and so on. Outer rings run counter-clockwise, holes clockwise. A door's
     line is as long as the door, so that of a passage goes half a cell further than `start_m` and `end_m`.
     """
+    refuse_not_finite(topology)
     rooms = [
         feature("Polygon", right_handed(room.polygon_m), _room(room), id=f"room-{room.id}") for room in topology.rooms
     ]
@@ -27,6 +29,7 @@ def _room(room: Room) -> dict[str, object]:
     return {
         "type": "room",
         "room": room.id,
+        "name": room.name,
         "area_m2": room.area_m2,
         "centre_m": room.centre_m,
         "neighbours": room.neighbours,

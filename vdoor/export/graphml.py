@@ -8,6 +8,7 @@ from typing import Any
 
 import networkx as nx
 
+from vdoor.export.finite import refuse_not_finite
 from vdoor.topology import TopologicalMap
 
 
@@ -16,6 +17,7 @@ def to_graphml(topology: TopologicalMap) -> str:
 
     `networkx.read_graphml(file, node_type=int, force_multigraph=True)` gives it back.
     """
+    refuse_not_finite(topology)
     source = topology.to_networkx()
     graph: nx.MultiGraph[int] = nx.MultiGraph()
     for room, fields in source.nodes(data=True):

@@ -7,6 +7,7 @@ import json
 from importlib import resources
 from typing import Any
 
+from vdoor.export.finite import refuse_not_finite
 from vdoor.topology import Door, Room, TopologicalMap
 
 VERSION = 1
@@ -18,6 +19,7 @@ def to_json(topology: TopologicalMap) -> str:
     `networkx.node_link_graph(document, edges="edges")` makes a MultiGraph of it. The version goes up when a field
     changes its meaning or goes; fields may be added within a version.
     """
+    refuse_not_finite(topology)
     frame = topology.frame
     document = {
         "format": "vdoor-graph",

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -21,10 +21,11 @@ from vdoor.formats.reading import checked_resolution_m, shown
 from vdoor.formats.result import NAMES, SCHEMA
 from vdoor.grid import Source
 from vdoor.pipeline import RECORDS
-from vdoor.record import Frame
+from vdoor.record import TEXT, Frame
 from vdoor.recording.mcap import read_recording
 from vdoor.stages.doors import KINDS
-from vdoor.stages.polygons import centres, polygons
+from vdoor.stages.final_doors import Doors
+from vdoor.stages.final_map import Features, map_of, ranked
 from vdoor.topology import Door, TopologicalMap
 
 Ints = NDArray[np.int32]
@@ -41,6 +42,8 @@ class Finished:
     """Where the map frame's origin lies in the robot's own frame, None where the map says nothing of one."""
     story: Story | None = None
     """How the run came to it, where that was asked for."""
+    settings: Mapping[str, Any] = field(default_factory=dict)
+    """Of the run, as nested tables."""
 
 
 def read_finished(path: str | Path, *, story: bool = False) -> Finished:
@@ -71,7 +74,7 @@ def read_last(path: Path, *, story: bool = False) -> Finished:
     for step, record in recording:
         topic = record.topic
         if isinstance(record, TopologicalMap):
-            return Finished(record, own_origin_cm(recording.info.source), told)
+            return Finished(record, own_origin_cm(recording.info.source), told, recording.info.settings)
         if told:
             told.write(step, record)
     raise RecordingError(f"recording: wanted a run that is finished, found one that ends with {topic}: {path}")
@@ -96,21 +99,19 @@ def read_result(folder: Path, *, story: bool = False) -> Finished:
         if [door.id for door in doors] != list(range(1, len(doors) + 1)):
             raise VdoorError("map.json: wanted doors 1, 2, ... in order, found other ids")
         features = [feature for table in document["rooms"] for feature in _features(table)]
-        topology = _assembled(labels, _frame(document, labels.shape), doors, features)
+        names = {table["id"]: _text(table.get("name", "")) for table in document["rooms"]}
+        topology = _assembled(labels, _frame(document, labels.shape), doors, features, names)
         _refuse_parts(topology)
         annotations = document.get("annotations")
         origin_cm = _point(annotations["own_origin_cm"]) if annotations else None
-        return Finished(topology, origin_cm, Story.of_result(folder, document, topology.frame) if story else None)
+        told = Story.of_result(folder, document, topology.frame) if story else None
+        return Finished(topology, origin_cm, told, dict(document["settings"]))
 
 
-def _assembled(labels: Ints, frame: Frame, doors: Sequence[Door], features: Sequence[Feature]) -> TopologicalMap:
-    count = int(labels.max())
-    vertex, vertex_room, vertex_ring = polygons(labels)
-    cells = np.bincount(labels.ravel(), minlength=count + 1)[1:]
-    return TopologicalMap(
-        labels=labels,
-        centre=centres(labels, count),
-        area_m2=cells.astype(np.float64) * frame.resolution_m**2,
+def _assembled(
+    labels: Ints, frame: Frame, doors: Sequence[Door], features: Sequence[Feature], names: dict[int, str]
+) -> TopologicalMap:
+    rows = Doors(
         edge=np.full(len(doors), -1, np.int32),
         start_m=_points([door.start_m for door in doors]),
         end_m=_points([door.end_m for door in doors]),
@@ -120,15 +121,14 @@ def _assembled(labels: Ints, frame: Frame, doors: Sequence[Door], features: Sequ
         tilt_rad=_radians(np.array([door.tilt_deg for door in doors], np.float64)),
         room_a=np.array([door.rooms[0] for door in doors], np.int32),
         room_b=np.array([door.rooms[1] for door in doors], np.int32),
-        feature_room=np.array([room for room, _, _ in features], np.int32),
-        feature_corner=np.full(len(features), -1, np.int32),
-        feature_convex=np.array([convex for _, convex, _ in features], np.bool_),
-        feature_m=_points([point_m for _, _, point_m in features]),
-        vertex_m=frame.world_from_cell(vertex - 0.5),
-        vertex_room=vertex_room,
-        vertex_ring=vertex_ring,
-        frame=frame,
     )
+    corners = Features(
+        room=np.array([room for room, _, _ in features], np.int32),
+        corner=np.full(len(features), -1, np.int32),
+        convex=np.array([convex for _, convex, _ in features], np.bool_),
+        point_m=_points([point_m for _, _, point_m in features]),
+    )
+    return map_of(labels, frame, rows, corners, names)
 
 
 def _frame(document: dict[str, Any], shape: tuple[int, ...]) -> Frame:
@@ -142,12 +142,12 @@ def _frame(document: dict[str, Any], shape: tuple[int, ...]) -> Frame:
 
 
 def _rooms(tables: list[dict[str, Any]], labels: Ints) -> set[int]:
-    """Ids of the rooms, which are 1, 2, ... in the document and in the label image."""
+    """Ids of the rooms, which rise in the document and are those of the label image."""
     ids = [table["id"] for table in tables]
-    found = np.unique(labels[labels > 0]).tolist()
-    if not found or ids != list(range(1, len(ids) + 1)) or ids != found:
+    found = ranked(labels)[0].tolist()
+    if not found or ids != found or any(type(room) is not int for room in ids):
         rooms = f"{len(ids)} rooms in map.json and {len(found)} in rooms.png"
-        raise VdoorError(f"result: wanted rooms 1, 2, ... in both, found {rooms}")
+        raise VdoorError(f"result: wanted the same rooms in both, by rising id, found {rooms}")
     return set(ids)
 
 
@@ -195,6 +195,12 @@ def _number(value: object) -> float:
     if isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value):
         return float(value)
     raise VdoorError(f"map.json: wanted a finite number, found {shown(value)}")
+
+
+def _text(value: object) -> str:
+    if isinstance(value, str) and TEXT.fullmatch(value):
+        return value
+    raise VdoorError(f"map.json: wanted a room's name of at most 100 characters in a line, found {shown(value)}")
 
 
 def _point(values: Sequence[object]) -> tuple[float, float]:

@@ -8,6 +8,7 @@ import xml.etree.ElementTree as ET  # written here, never read
 import numpy as np
 from numpy.typing import NDArray
 
+from vdoor.export.finite import refuse_not_finite
 from vdoor.export.geometry import Point, line_m
 from vdoor.topology import Door, Room, TopologicalMap
 from vdoor.viz.rerun import style
@@ -24,6 +25,7 @@ def to_svg(topology: TopologicalMap) -> str:
     Drawn as the map's image stands, in metres from its upper left corner, however the map frame lies. Elements are
     called `room-1`, `door-1`, and so on.
     """
+    refuse_not_finite(topology)
     left, top, width, height = _extent_m(topology)
     longest = max(width, height)
     root = ET.Element(
@@ -50,14 +52,16 @@ def _add_room(group: ET.Element, topology: TopologicalMap, room: Room, longest: 
     fill = {"fill": _rgb(style.room(room.id)), "fill-rule": "evenodd"}
     stroke = {"stroke": _rgb(style.OCCUPIED), "stroke-width": _text(longest / 800)}
     shape = ET.SubElement(group, "path", {"id": f"room-{room.id}", "d": path} | fill | stroke)
-    ET.SubElement(shape, "title").text = f"room {room.id}: {room.area_m2:.1f} m2"
+    ET.SubElement(shape, "title").text = f"{_called(room)}: {room.area_m2:.1f} m2"
 
 
 def _add_name(group: ET.Element, topology: TopologicalMap, room: Room, longest: float) -> None:
-    """Id and area in the middle of the room, no larger than it can hold."""
+    """Id, or name and id, and area in the middle of the room, no larger than it can hold."""
     size = min(longest / 40, math.sqrt(room.area_m2) / 4)
     ((x, y),) = _drawn(topology, (room.centre_m,)).tolist()
-    for text, scale, below in ((str(room.id), 1.0, -0.4), (f"{room.area_m2:.1f} m²", 0.6, 0.5)):
+    area = f"{room.area_m2:.1f} m²"
+    first, second = (room.name, f"{room.id}: {area}") if room.name else (str(room.id), area)
+    for text, scale, below in ((first, 8 / max(8, len(first)), -0.4), (second, 0.6, 0.5)):
         look = TEXT | {"font-size": _text(scale * size), "pointer-events": "none"}
         ET.SubElement(group, "text", _place(x, y + below * size) | look).text = text
 
@@ -80,6 +84,10 @@ def _add_door(group: ET.Element, topology: TopologicalMap, door: Door, longest: 
     one, other = door.rooms
     told = f"door {door.id}: {door.width_m:.2f} m, {door.kind}, rooms {one} and {other}"
     ET.SubElement(about, "title").text = told
+
+
+def _called(room: Room) -> str:
+    return f"{room.name}, room {room.id}" if room.name else f"room {room.id}"
 
 
 def _extent_m(topology: TopologicalMap) -> tuple[float, float, float, float]:

@@ -202,7 +202,8 @@ def _check_file(path: Path, limit: float = float("inf")) -> None:
     try:
         if path.is_file() and path.stat().st_size <= limit:
             return
-        found = "a folder" if path.is_dir() else "none" if not path.exists() else f"none of at most {limit:.0f} bytes"
+        found = "a folder" if path.is_dir() else "none" if not path.exists() else "a device or pipe"
+        found = f"none of at most {limit:.0f} bytes" if path.is_file() else found
     except (OSError, ValueError) as error:  # ValueError: a path with a null byte
         found = getattr(error, "strerror", None) or str(error)
     msg = f"file: wanted a map, found {found}: {path}"

@@ -6,7 +6,7 @@ import dataclasses
 import hashlib
 import io
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -31,9 +31,7 @@ GREY_OCCUPIED, GREY_UNKNOWN, GREY_FREE = 0, 205, 254
 
 def write_result(folder: Path, grid: OccupancyGrid, topology: TopologicalMap, document: Mapping[str, Any]) -> None:
     """Write the four files into `folder`, made if missing; each appears when it is whole."""
-    rooms = len(topology.area_m2)
-    if rooms > MOST_ROOMS:
-        raise VdoorError(f"rooms.png: wanted at most {MOST_ROOMS} rooms, found {rooms}: {folder}")
+    refuse_high_ids(folder, topology)
     contents = (
         png(topology.labels.astype(np.uint16)),
         map_server_yaml(grid, "rooms.png"),
@@ -45,10 +43,24 @@ def write_result(folder: Path, grid: OccupancyGrid, topology: TopologicalMap, do
         write_whole(folder / name, content)
 
 
+def refuse_high_ids(folder: Path, topology: TopologicalMap) -> None:
+    """VdoorError where a room's id is more than a label image holds."""
+    if (most := int(topology.labels.max(initial=0))) > MOST_ROOMS:
+        raise VdoorError(f"rooms.png: wanted room ids up to {MOST_ROOMS}, found {most}: {folder}")
+
+
+def rewrite_result(folder: Path, topology: TopologicalMap, edits: Sequence[str]) -> None:
+    """Write an edited map into the folder it was read from; `edits` are all that have led to it."""
+    document = json.loads((folder / "map.json").read_text(encoding="utf-8"))
+    document |= _graph(topology)
+    document["settings"]["edit"] = document["settings"].get("edit", {}) | {"edits": list(edits)}
+    write_whole(folder / "rooms.png", png(topology.labels.astype(np.uint16)))
+    write_whole(folder / "map.json", (json.dumps(document, indent=1, allow_nan=False) + "\n").encode())
+
+
 def document_of(topology: TopologicalMap, info: RunInfo, timings_s: Mapping[str, float]) -> dict[str, Any]:
     """What map.json says: lengths in metres, points as [x, y] in the map frame."""
     frame = topology.frame
-    rooms, doors = topology.rooms, topology.doors
     annotations = read_annotations(info.source)
     return {
         "schema": SCHEMA,
@@ -64,13 +76,20 @@ def document_of(topology: TopologicalMap, info: RunInfo, timings_s: Mapping[str,
         "preset": info.preset,
         "settings": dict(info.settings),
         "seed": info.seed,
+        **_graph(topology),
+        "timings_s": {stage: round(seconds, 4) for stage, seconds in timings_s.items()},
+    }
+
+
+def _graph(topology: TopologicalMap) -> dict[str, Any]:
+    rooms, doors = topology.rooms, topology.doors
+    return {
         "rooms": [_room(room) for room in rooms],
         "doors": [_door(door) for door in doors],
         "graph": {
             "nodes": [room.id for room in rooms],
             "edges": [{"door": door.id, "rooms": list(door.rooms)} for door in doors],
         },
-        "timings_s": {stage: round(seconds, 4) for stage, seconds in timings_s.items()},
     }
 
 

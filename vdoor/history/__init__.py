@@ -23,6 +23,7 @@ from vdoor.stages.corners import Candidates, Corners
 from vdoor.stages.cost import DoorEnergy, MapCost, MergeProblem
 from vdoor.stages.curvature import Curvature
 from vdoor.stages.doors import VirtualDoors
+from vdoor.stages.edit import Edits
 from vdoor.stages.merge import merged
 from vdoor.stages.rooms import InitialMap
 from vdoor.stages.score import DoorScores
@@ -260,6 +261,11 @@ class History:
     def certificate(self) -> Certificate:
         """What was proven of the search's choice, where that was asked."""
         return self.get(Certificate)
+
+    @property
+    def edits(self) -> Edits:
+        """What came of each edit, where there were any."""
+        return self.get(Edits)
 
     @property
     def topology(self) -> TopologicalMap:

@@ -1,7 +1,8 @@
 """Records as ROS 2 messages and back, bit for bit, derived from their specs alone.
 
 A record of topic ``corners`` becomes one message on each ``/vdoor/corners/<part>``. Its parts are every raster and
-every run of bits by its field's name, every table by the table's name, and ``values`` with all numbers and the frame.
+every run of bits by its field's name, every table by the table's name, and ``values`` with all numbers and texts and
+the frame.
 """
 
 from __future__ import annotations
@@ -88,9 +89,10 @@ def _parts(record: type[Record]) -> dict[str, Part]:
         found[table] = Table(f"{record.__name__}.{table}", record, table)
     scalars = {name: spec.kind for name, (spec, _) in specs(record).items() if spec.kind in SCALARS}
     types: dict[str, type] = {name: int if kind == "count" else float for name, kind in scalars.items()}
+    texts = tuple(name for name, (spec, _) in specs(record).items() if spec.kind == "text")
     has_frame = "frame" in get_type_hints(record)
-    if types or has_frame:
-        found[VALUES] = Values(f"{record.__name__}.{VALUES}", types, has_frame)
+    if types or has_frame or texts:
+        found[VALUES] = Values(f"{record.__name__}.{VALUES}", types, has_frame, texts)
     return found
 
 

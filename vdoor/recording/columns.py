@@ -151,11 +151,15 @@ class Bits:
 
 @dataclass(frozen=True)
 class Values:
-    """All numbers and counts of a record and its frame, as a Float64MultiArray with their names as labels."""
+    """All numbers and counts of a record and its frame, as a Float64MultiArray with their names as labels.
+
+    Texts follow as labels ``field=text`` without a value, one for each; where a record has none, nothing tells of them.
+    """
 
     place: str
     types: dict[str, type]
     has_frame: bool
+    texts: tuple[str, ...] = ()
 
     message: ClassVar[str] = "std_msgs/msg/Float64MultiArray"
 
@@ -169,27 +173,42 @@ class Values:
                 msg = f"{self.place}.{name}: wanted at most 2^53, found {value}"
                 raise RecordingError(msg)
         data = np.array([float(value) for value in values.values()], dtype=np.float64)
-        return ros.make(self.message, layout=_layout([(name, 1) for name in values]), data=data)
+        texts = [(f"{name}={text}", 0) for name in self.texts for text in getattr(record, name)]
+        return ros.make(self.message, layout=_layout([*((name, 1) for name in values), *texts]), data=data)
 
     def decode(self, message: Any) -> dict[str, Any]:
         """Numbers by name, and `frame`; `RecordingError` where names or types are not those of the record."""
         wanted = self.types | (FRAME if self.has_frame else {})
         names = [dim.label for dim in message.layout.dim]
+        names, more = names[: len(wanted)], names[len(wanted) :]
         if names != list(wanted) or message.data.size != len(names):
-            msg = f"{self.place}: wanted {', '.join(wanted)}, found {message.data.size} values: {', '.join(names)}"
+            found = ", ".join([*names, *more])
+            msg = f"{self.place}: wanted {', '.join(wanted)}, found {message.data.size} values: {found}"
             raise RecordingError(msg)
+        texts = self._texts_of(more)
         values = dict(zip(names, message.data.tolist(), strict=True))
         for name in names:
             if wanted[name] is int:
                 values[name] = _whole(f"{self.place}.{name}", values[name])
         if not self.has_frame:
-            return values
+            return values | texts
         frame = {name: values.pop(name) for name in FRAME}
         near = all(abs(value) <= FAR for value in frame.values())  # which no nan is
         if not (near and frame["resolution_m"] > 0 <= min(frame["height"], frame["width"])):
             msg = f"{self.place}: wanted the size and pose of a raster, found {frame}"
             raise RecordingError(msg)
-        return values | {"frame": Frame(**frame)}
+        return values | texts | {"frame": Frame(**frame)}
+
+    def _texts_of(self, labels: list[str]) -> dict[str, Any]:
+        """Texts by the name of their field, from labels; `RecordingError` for a label of no such field."""
+        found: dict[str, tuple[str, ...]] = dict.fromkeys(self.texts, ())
+        for label in labels:
+            name, _, text = label.partition("=")
+            if name not in found:
+                msg = f"{self.place}: wanted texts of {', '.join(self.texts) or 'no field'}, found {label!r}"
+                raise RecordingError(msg)
+            found[name] += (text,)
+        return found
 
 
 def _whole(place: str, value: float) -> int:

@@ -64,7 +64,11 @@ class _Field:
     @property
     def values(self) -> tuple[NDArray[Any], NDArray[Any]]:
         """What it is in the one and in the other."""
-        return np.asarray(getattr(self.expected, self.name)), np.asarray(getattr(self.found, self.name))
+        one, other = getattr(self.expected, self.name), getattr(self.found, self.name)
+        if self.spec.kind == "text":  # none at all stand for as many empty ones
+            rows = max(len(one), len(other))
+            one, other = (np.array(texts or ("",) * rows, np.str_) for texts in (one, other))
+        return np.asarray(one), np.asarray(other)
 
 
 def differences(
@@ -144,7 +148,7 @@ def _differing(field: _Field) -> Iterator[Difference]:
         return
     elements = apart.reshape(len(apart), -1).any(axis=1) if spec.kind in COLUMNS else apart
     indices = np.argwhere(elements)
-    is_name = bool(spec.words) or spec.kind == "labels" or one.dtype == np.bool_
+    is_name = bool(spec.words) or spec.kind in ("labels", "text") or one.dtype == np.bool_
     at, size = 0, None
     if not is_name:
         where = tuple(indices.T)

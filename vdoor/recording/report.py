@@ -129,7 +129,8 @@ def _shown(value: Value) -> str:
 
 def setting_line(setting: Setting, names: Names) -> str:
     """One line about a setting that differs."""
-    one, other = ("not set" if value is None else json.dumps(value) for value in (setting.expected, setting.found))
+    values = (setting.expected, setting.found)
+    one, other = ("not set" if value is None else json.dumps(value, ensure_ascii=False) for value in values)
     return printable(f"{setting.name}: {names[0]} {one}, {names[1]} {other}")
 
 

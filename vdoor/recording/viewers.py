@@ -8,12 +8,13 @@ from __future__ import annotations
 import colorsys
 import functools
 import io
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from vdoor.errors import RecordingError
 from vdoor.grid import FREE_TO
 from vdoor.record import RASTERS, SCALARS, Record, specs, tables
 from vdoor.recording import ros
@@ -74,9 +75,28 @@ def _final(record: Any) -> tuple[Segments, NDArray[np.float64], Segments]:
     """Doors, room centres and graph lines (door's middle to both of its rooms) of the final map."""
     doors = np.stack([record.start_m, record.end_m], axis=1)
     centres_m = record.frame.world_from_cell(record.centre)
-    door = np.arange(len(doors))
-    rooms = [_links(doors, centres_m, door=door, room=room - 1) for room in (record.room_a, record.room_b)]
-    return doors, centres_m, np.concatenate(rooms)
+    door, ids = np.arange(len(doors)), np.array(_room_ids(record), np.int64)
+    rows = [
+        np.where(np.isin(room, ids), np.searchsorted(ids, room), len(ids)) for room in (record.room_a, record.room_b)
+    ]
+    return doors, centres_m, np.concatenate([_links(doors, centres_m, door=door, room=row) for row in rows])
+
+
+def _room_ids(record: Any) -> Sequence[int]:
+    """Ids of the final map's rooms; numbers from 1 on where its rows are not those of its labels."""
+    try:
+        found: Sequence[int] = record.room_ids
+    except RecordingError:
+        return range(1, len(record.centre) + 1)
+    return found
+
+
+def _room_texts(record: Any) -> list[str]:
+    """What is written on the rooms: names, or else numbers."""
+    if record.topic == "initial_map":
+        return [str(region) for region in range(len(record.centre))]
+    numbers = _room_ids(record)
+    return [name or str(room) for room, name in zip(numbers, record.name or [""] * len(numbers), strict=True)]
 
 
 DRAW = {"initial_map": _initial, "map": _final}
@@ -95,10 +115,9 @@ def _markers(record: Record, time_ns: int) -> Any:
     size_m = record.frame.resolution_m  # type: ignore[attr-defined]  # both graphs have one
     ids = iter(range(len(centres_m) + 4))
     marker = functools.partial(_marker, time_ns=time_ns, ns=record.topic)
-    first = 0 if record.topic == "initial_map" else 1
     labels = [
-        marker(TEXT, id=next(ids), at_m=at_m, text=str(room), size_m=6 * size_m, rgb=(0.1, 0.1, 0.1))
-        for room, at_m in enumerate(centres_m, start=first)
+        marker(TEXT, id=next(ids), at_m=at_m, text=text, size_m=6 * size_m, rgb=(0.1, 0.1, 0.1))
+        for text, at_m in zip(_room_texts(record), centres_m, strict=True)
     ]
     shapes = [
         marker(DELETE_ALL, id=next(ids)),

@@ -23,7 +23,7 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int32]
 Mask = NDArray[np.bool_]
 
-KINDS = ("pair", "single", "passage", "extension")
+KINDS = ("pair", "single", "passage", "extension", "added")
 VERDICTS = ("proposed", "blocked", "same wall", "no gap", "duplicate")
 PROPOSED = VERDICTS.index("proposed")
 

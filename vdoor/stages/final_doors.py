@@ -86,7 +86,7 @@ def matched_to_contacts(labels: Ints, doors: Doors, simplified: SimplifiedGrid, 
         middle_m = (doors.start_m[row] + doors.end_m[row]) / 2
         near = np.array(tree.query_ball_point(middle_m, doors.length_m[row] / 2 + 2 * cell_m), np.intp)
         near = near[(pair[near] == [doors.room_a[row], doors.room_b[row]]).all(axis=1)]
-        near = near[_to_segment_m(place_m[near], doors.start_m[row], doors.end_m[row]) <= cell_m]
+        near = near[to_segment_m(place_m[near], doors.start_m[row], doors.end_m[row]) <= cell_m]
         explained[near] = True
         touched[row] = len(near) > 0
     passages = passages_at(place[~explained], pair[~explained], frame)
@@ -120,12 +120,40 @@ def passages_at(place: Floats, pair: Ints, frame: Frame) -> Doors:
     )
 
 
+def doors_along(start: Floats, end: Floats, place: Floats, pair: Ints, frame: Frame) -> Doors:
+    """One door along a line for each piece of contacts (k, 2) beside it; the line and contacts as row, col.
+
+    Doors have the line's direction and lie in the middle of their contacts, which are on one side of its cells. What
+    contacts are more than a cell away from them, as in a nook that the line cuts off, have doors of their own.
+    """
+    doors = passages_at(place, pair, frame)
+    way = (end - start) / max(float(np.hypot(*(end - start))), 1e-9)
+    aside = np.array([-way[1], way[0]])
+    spans, astray = [], np.zeros(len(place), np.bool_)
+    for contact in _pieces(place, pair):
+        along, apart = (place[contact] - start) @ way, (place[contact] - start) @ aside
+        spans.append([along.min(), along.max(), (apart.min() + apart.max()) / 2])
+        astray[contact] = np.abs(apart - spans[-1][-1]) > 1
+    first, last, off = np.array(spans).reshape(-1, 3).T[:, :, None]
+    gap_m = (last - first + 1).ravel() * frame.resolution_m
+    tilt_rad = np.full(len(gap_m), np.arctan2(*np.sort(np.abs(way))))
+    doors = doors._replace(
+        start_m=frame.world_from_cell(start + first * way + off * aside),
+        end_m=frame.world_from_cell(start + last * way + off * aside),
+        length_m=gap_m,
+        width_m=gap_m,
+        tilt_rad=tilt_rad,
+    )
+    doors = doors.followed_by(passages_at(place[astray], pair[astray], frame))
+    return doors._replace(kind=np.full_like(doors.kind, KINDS.index("added")))
+
+
 def _farthest(place: Floats, point: Floats) -> Floats:
     """The place (2,) of (k, 2) that is farthest from a point."""
     return np.asarray(place[np.argmax(np.hypot(*(place - point).T))])
 
 
-def _to_segment_m(point_m: Floats, start_m: Floats, end_m: Floats) -> Floats:
+def to_segment_m(point_m: Floats, start_m: Floats, end_m: Floats) -> Floats:
     """Distance (k,) of points (k, 2) to a segment."""
     along = end_m - start_m
     share = np.clip((point_m - start_m) @ along / max(float(along @ along), 1e-12), 0, 1)

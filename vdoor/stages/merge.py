@@ -11,11 +11,10 @@ from numpy.typing import NDArray
 from vdoor.grid import OccupancyGrid
 from vdoor.stages.cost import Bits, MergeProblem
 from vdoor.stages.final_doors import door_rows, matched_to_contacts
+from vdoor.stages.final_map import Features, map_of
 from vdoor.stages.flips import FlipState
 from vdoor.stages.labels import at_input, flooded, numbered, whole
-from vdoor.stages.polygons import centres, polygons
 from vdoor.stages.rooms import InitialMap
-from vdoor.stages.runs import runs_of
 from vdoor.stages.search import Generation
 from vdoor.stages.simplify import SimplifiedGrid
 from vdoor.topology import TopologicalMap
@@ -47,23 +46,9 @@ class MergeRooms:
         feature = np.stack([room[initial.feature_region], initial.feature_corner], axis=1)
         feature, first = np.unique(feature[feature[:, 0] > 0], axis=0, return_index=True)
         source = np.flatnonzero(room[initial.feature_region] > 0)[first]
-        rooms = int(labels.max(initial=0))
-        vertex, vertex_room, vertex_ring = polygons(labels)
-        cells = runs_of(labels).cells(rooms)
-        return TopologicalMap(
-            labels=labels,
-            centre=centres(labels, rooms),
-            area_m2=cells.astype(np.float64) * grid.frame.resolution_m**2,
-            **doors._asdict(),
-            feature_room=feature[:, 0],
-            feature_corner=feature[:, 1],
-            feature_convex=initial.feature_convex[source],
-            feature_m=initial.frame.world_from_cell(initial.feature_cell[source]),
-            vertex_m=grid.frame.world_from_cell(vertex - 0.5),
-            vertex_room=vertex_room,
-            vertex_ring=vertex_ring,
-            frame=grid.frame,
-        )
+        place_m = initial.frame.world_from_cell(initial.feature_cell[source])
+        features = Features(feature[:, 0], feature[:, 1], initial.feature_convex[source], place_m)
+        return map_of(labels, grid.frame, doors, features)
 
 
 def merged(problem: MergeProblem, removed: Bits) -> tuple[Ints, list[tuple[int, int, int]]]:

@@ -12,6 +12,7 @@ from vdoor.grid import FREE
 from vdoor.history import History
 from vdoor.stages.corners import gaps_m
 from vdoor.stages.doors import KINDS, PROPOSED, VERDICTS
+from vdoor.stages.edit import Edits
 from vdoor.stages.rooms import InitialMap
 from vdoor.topology import TopologicalMap
 from vdoor.why.near import Point, point_of
@@ -72,17 +73,22 @@ class DoorFate:
     final_door: tuple[int, ...] = ()
     final_rooms: tuple[tuple[int, int], ...] = ()
     fate: str = ""
-    """The last word: a verdict, unlikely, outdone, idle, removed, separates nothing, no room there, door, or open."""
+    """The last word: a verdict, unlikely, outdone, idle, removed, separates nothing, no room there, edited away, door,
+    or open."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Passage:
-    """A door of the final map that is too narrow for the working resolution, so that no virtual door stands for it."""
+    """A door of the final map that no virtual door stands for.
+
+    It is too narrow for the working resolution, or was added by an edit.
+    """
 
     door: int
     away_m: float
     rooms: tuple[int, int]
     width_m: float
+    kind: str = "passage"
 
 
 def door_fates(run: History, point_m: Point, count: int) -> tuple[DoorFate, ...]:
@@ -152,7 +158,8 @@ def _end(run: History, edge: int, search: SearchFate) -> dict[str, Any]:
     rows = np.flatnonzero(run.topology.edge == edge)
     if not len(rows):
         separates = edge in run.separating
-        return {"separates_nothing": not separates, "fate": "no room there" if separates else "separates nothing"}
+        lost = "edited away" if run.has(Edits) else "no room there"
+        return {"separates_nothing": not separates, "fate": lost if separates else "separates nothing"}
     rooms = tuple((int(run.topology.room_a[row]), int(run.topology.room_b[row])) for row in rows)
     return {"final_door": tuple((rows + 1).tolist()), "final_rooms": rooms, "fate": "door"}
 
@@ -232,6 +239,7 @@ def passages(run: History, point_m: Point, count: int) -> tuple[Passage, ...]:
             away_m=float(away_m[at]),
             rooms=(int(found.room_a[rows[at]]), int(found.room_b[rows[at]])),
             width_m=float(found.width_m[rows[at]]),
+            kind=KINDS[found.kind[rows[at]]],
         )
         for at in np.argsort(away_m, kind="stable")[:count]
     )

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator, Sequence
 from vdoor.grid import FREE_TO, OCCUPIED_FROM
 from vdoor.why import Answer, Place
 from vdoor.why.bends import CornerFate, Sample
-from vdoor.why.doors import DoorFate
+from vdoor.why.doors import DoorFate, Passage
 from vdoor.why.near import Point
 from vdoor.why.scores import Reason, Rival, ScoreFate
 
@@ -20,6 +20,7 @@ REASONS = {
     "notch": "a short dent of a wall, filled: occupied now",
     "island": "an obstacle standing free, removed: free now",
     "thin unknown": "unknown in a thin line with free space around it: free now",
+    "slit": "free space too narrow to go through: closed now",
 }
 
 
@@ -43,8 +44,8 @@ def to_lines(answer: Answer) -> Iterator[str]:
         yield from door_lines(door)
     for passage in answer.passages:
         yield (
-            f"  passage: final door {passage.door}, {passage.away_m:.2f} m away, {passage.width_m:.2f} m wide, "
-            f"rooms {passage.rooms[0]} and {passage.rooms[1]}: too narrow for the working resolution"
+            f"  {passage.kind}: final door {passage.door}, {passage.away_m:.2f} m away, {passage.width_m:.2f} m wide, "
+            f"rooms {passage.rooms[0]} and {passage.rooms[1]}: {_why_no_edge(passage)}"
         )
     if "map" not in answer.recorded:
         yield f"the recording ends after {answer.recorded[-1]}: of later stages nothing is known"
@@ -216,9 +217,14 @@ def _final_door(door: DoorFate) -> str:
     return "; ".join(f"door {number} between rooms {one} and {other}" for number, (one, other) in pairs)
 
 
+def _why_no_edge(passage: Passage) -> str:
+    return "an edit laid it there" if passage.kind == "added" else "too narrow for the working resolution"
+
+
 _ENDS: dict[str, Callable[[DoorFate], str]] = {
     "door": _final_door,
     "separates nothing": lambda _: "dropped: opening it joins no two rooms, it separates nothing",
+    "edited away": lambda _: "dropped: an edit made its rooms one, or cut them otherwise",
     "no room there": lambda _: "dropped: a room beside it has no free cell of the input",
 }
 

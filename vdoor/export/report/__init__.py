@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from vdoor.errors import VdoorError
+from vdoor.export.finite import refuse_not_finite
 from vdoor.export.geometry import line_m
 from vdoor.export.report.layers import layers
 from vdoor.export.report.sheet import Sheet, colour_text, polygon, polyline
@@ -40,6 +41,7 @@ def to_report(topology: TopologicalMap, story: Story | None = None) -> str:
     Without a story it tells of rooms and doors alone. Numbers are rounded for reading; the other formats have them in
     full. Equal runs give equal pages. Raises `VdoorError` where records hold what cannot be drawn.
     """
+    refuse_not_finite(topology)
     told = _told(topology, story)
     try:
         text = json.dumps(told, separators=(",", ":"), allow_nan=False)
@@ -108,15 +110,16 @@ def _rooms(topology: TopologicalMap, sheet: Sheet) -> list[dict[str, Any]]:
     return [
         {
             "id": room.id,
+            "name": room.name,
             "area_m2": round(room.area_m2, 3),
             "centre_m": [round(value, 3) for value in room.centre_m],
             "doors": [door.id for door in doors if room.id in door.rooms],
             "neighbours": room.neighbours,
-            "at": centre[room.id - 1],
+            "at": at,
             "d": polygon(sheet.world_points(np.array(ring)) for ring in room.polygon_m),
             "colour": colour_text(style.room(room.id)),
         }
-        for room in topology.rooms
+        for room, at in zip(topology.rooms, centre, strict=True)
     ]
 
 

@@ -44,7 +44,7 @@ const rows = new Map(); // "room 3" -> its row in a table
 
 function roomText(room) {
   const beside = room.neighbours.length ? `next to ${room.neighbours.join(", ")}` : "no neighbours";
-  return `Room ${room.id}: ${room.area_m2.toFixed(1)} m²\n${many(room.doors.length, "door")}, ${beside}`;
+  return `${room.name ? `${room.name}, room` : "Room"} ${room.id}: ${room.area_m2.toFixed(1)} m²\n${many(room.doors.length, "door")}, ${beside}`;
 }
 
 function doorText(door) {
@@ -66,11 +66,12 @@ for (const door of told.doors) {
   shapes.set(name, both);
 }
 
+const named = told.rooms.some((room) => room.name);
 const labels = [];
 for (const room of told.rooms) {
   const [x, y] = room.at;
   const size = Math.sqrt(room.area_m2) / told.resolution_m; // in cells
-  labels.push({ size, at: [x, y], lift: -0.5, scale: 1, least: 16, text: shape(group("names"), "text", {}, room.id) });
+  labels.push({ size, at: [x, y], lift: -0.5, scale: 1, least: 16, text: shape(group("names"), "text", {}, room.name || room.id) });
   const area = shape(group("names"), "text", { class: "small" }, `${room.area_m2.toFixed(1)} m²`);
   labels.push({ size, at: [x, y], lift: 0.55, scale: 0.8, least: 60, text: area });
 }
@@ -120,7 +121,7 @@ for (const layer of told.layers) {
 }
 addSwitch({ id: "rooms", name: "Rooms", on: true, key: [] }, [group("rooms")]);
 addSwitch({ id: "final-doors", name: "Doors", on: true, key: [[told.door_colour, many(told.doors.length, "door")]] }, [group("doors")]);
-addSwitch({ id: "names", name: "Numbers and areas", on: true, key: [] }, [group("names")]);
+addSwitch({ id: "names", name: named ? "Names and areas" : "Numbers and areas", on: true, key: [] }, [group("names")]);
 
 /* Zoom: what part of the map is seen, in cells */
 
@@ -301,8 +302,8 @@ function connect(made, names) {
 const place = (point) => point.map((value) => value.toFixed(2)).join(", ");
 connect(
   fill("room-table",
-    [["Room"], ["Area, m²", true], ["Centre x, y, m", true], ["Doors"], ["Next to rooms"]],
-    told.rooms.map((room) => [button(`room ${room.id}`, room.colour), room.area_m2.toFixed(2), place(room.centre_m), room.doors.join(", ") || "none", room.neighbours.join(", ") || "none"])),
+    [["Room"], ...(named ? [["Name"]] : []), ["Area, m²", true], ["Centre x, y, m", true], ["Doors"], ["Next to rooms"]],
+    told.rooms.map((room) => [button(`room ${room.id}`, room.colour), ...(named ? [room.name] : []), room.area_m2.toFixed(2), place(room.centre_m), room.doors.join(", ") || "none", room.neighbours.join(", ") || "none"])),
   told.rooms.map((room) => `room ${room.id}`));
 connect(
   fill("door-table",

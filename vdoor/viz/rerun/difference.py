@@ -67,6 +67,11 @@ class DifferenceSink:
             self._marks.stream.disconnect()
             partial_name(self.path).replace(self.path)
 
+    def abandon(self) -> None:
+        """Leave no file: half a comparison says nothing of the other half."""
+        self._marks.stream.disconnect()
+        partial_name(self.path).unlink(missing_ok=True)
+
     def _mark(self, expected: Record, found: Record, differences: tuple[Difference, ...]) -> None:
         """Say each difference, and mark its place where it has one."""
         fields = specs(type(expected))

@@ -17,6 +17,7 @@ from vdoor.stages.certify import Certificate
 from vdoor.stages.corners import Candidates, Corners
 from vdoor.stages.curvature import Curvature
 from vdoor.stages.doors import PROPOSED, VERDICTS, VirtualDoors
+from vdoor.stages.edit import Edits
 from vdoor.stages.rooms import InitialMap
 from vdoor.stages.score import DoorScores
 from vdoor.stages.search import Generation
@@ -26,7 +27,7 @@ from vdoor.topology import TopologicalMap
 from vdoor.viz.rerun import style
 from vdoor.viz.rerun.baselines import draw_eroded, draw_grown, draw_narrows, draw_skeleton
 from vdoor.viz.rerun.curve import draw_curve, draw_threshold
-from vdoor.viz.rerun.graphs import draw_generation, draw_initial, draw_map
+from vdoor.viz.rerun.graphs import draw_edits, draw_generation, draw_initial, draw_map
 from vdoor.viz.rerun.rows import table
 from vdoor.viz.rerun.scene import Scene, classes, pixels, strips
 from vdoor.viz.rerun.scores import draw_certificate, draw_scores
@@ -41,12 +42,13 @@ CELL_CLASSES = {
     BETWEEN: ("between", style.BETWEEN),
     OCCUPIED: ("occupied", style.OCCUPIED),
 }
-REASON_COLOURS = (style.CLEAR, style.UNREACHABLE, style.JUT, style.NOTCH, style.ISLAND, style.THIN_UNKNOWN)
+REASON_COLOURS = (style.CLEAR, style.UNREACHABLE, style.JUT, style.NOTCH, style.ISLAND, style.THIN_UNKNOWN, style.SLIT)
 HEADING_PX = np.array([(1, 0), (0, -1), (-1, 0), (0, 1)])
 
 
 def draw_input(scene: Scene, grid: OccupancyGrid) -> None:
     """The map as read."""
+    scene.remembered[grid.topic] = grid.frame
     scene.keep("input/map", classes(CELL_CLASSES))
     scene.raster("input/map", cell_classes(grid))
     draw_restrictions(scene, grid)
@@ -225,5 +227,6 @@ DRAW: dict[type[Record], Callable[[Scene, Any], None]] = {
     InitialMap: draw_initial,
     Generation: draw_generation,
     Certificate: draw_certificate,
+    Edits: draw_edits,
     TopologicalMap: draw_map,
 }

@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import Any
+
 import numpy as np
 import rerun as rr
 from numpy.typing import NDArray
 
+from vdoor.edits import FORMS
+from vdoor.stages.edit import VERDICTS, Edits
 from vdoor.stages.rooms import InitialMap
 from vdoor.stages.search import Generation
 from vdoor.topology import TopologicalMap
 from vdoor.viz.rerun import style
+from vdoor.viz.rerun.rows import table
 from vdoor.viz.rerun.scene import Scene, classes, pixels, strips
 
 TERMS = {"small_rooms": "NumSmallNode", "area_sd_m2": "AreaSD, m2", "tilt_sd_deg": "DegSD, degrees"}
@@ -75,10 +81,29 @@ def draw_generation(scene: Scene, generation: Generation) -> None:
         scene.log(f"map/search/{name}", rr.LineStrips2D(lines, colors=colour, radii=radius, draw_order=36.0))
 
 
+def draw_edits(scene: Scene, edits: Edits) -> None:
+    """The places that edits speak of, on the map as read, and as a table."""
+    table(scene, edits, "edit")
+    frame = scene.remembered.get("input")
+    if frame is None:  # lost from a recording that was damaged
+        return
+    kinds, codes = tuple(FORMS), zip(edits.kind.tolist(), edits.verdict.tolist(), strict=True)
+    labels = [f"{kinds[kind]}: {VERDICTS[verdict]}" for kind, verdict in codes]
+    lines = np.isfinite(edits.end_m).all(axis=1)
+    size = max(frame.height, frame.width) / 400
+    start, end = frame.cell_from_world(edits.start_m), frame.cell_from_world(edits.end_m)
+    look: dict[str, Any] = {"colors": style.EDIT, "show_labels": False, "draw_order": 23.0}
+    scene.log("rooms/edits/places", rr.Points2D(pixels(start), radii=size, labels=labels, **look))
+    strokes = rr.LineStrips2D(
+        strips(start[lines], end[lines]), radii=size / 2, labels=np.array(labels)[lines].tolist(), **look
+    )
+    scene.log("rooms/edits/lines", strokes)
+
+
 def draw_map(scene: Scene, topology: TopologicalMap) -> None:
     """Rooms with their doors at the input's resolution, and the graph."""
-    frame, rooms = topology.frame, len(topology.area_m2)
-    scene.keep("rooms/labels", classes(room_classes(rooms)))
+    frame, rooms, ids = topology.frame, topology.rooms, np.array(topology.room_ids, np.int64)
+    scene.keep("rooms/labels", classes(classes_of({room.id: room.title for room in rooms})))
     scene.raster("rooms/labels", as_classes(topology.labels), order=1.0, opacity=0.85)
     start, end = frame.cell_from_world(topology.start_m), frame.cell_from_world(topology.end_m)
     middle = (start + end) / 2
@@ -88,15 +113,15 @@ def draw_map(scene: Scene, topology: TopologicalMap) -> None:
         strips(start, end), colors=style.KEPT, radii=size, labels=widths, show_labels=False, draw_order=20.0
     )
     scene.log("rooms/doors", doors)
-    ends = np.concatenate([topology.room_a, topology.room_b]) - 1
+    ends = np.searchsorted(ids, np.concatenate([topology.room_a, topology.room_b]))
     links = strips(topology.centre[ends], np.concatenate([middle, middle]))
     scene.log("rooms/graph/links", rr.LineStrips2D(links, colors=style.LINK, radii=size / 3, draw_order=21.0))
-    labels = [f"room {room + 1}: {area_m2:.1f} m2" for room, area_m2 in enumerate(topology.area_m2)]
+    labels = [f"{room.title}: {room.area_m2:.1f} m2" for room in rooms]
     nodes = rr.Points2D(pixels(topology.centre), colors=style.NODE, radii=size * 2, labels=labels, draw_order=22.0)
     scene.log("rooms/graph/nodes", nodes)
 
-    names = [str(room + 1) for room in range(rooms)]
-    joined = [(names[a - 1], names[b - 1]) for a, b in zip(topology.room_a, topology.room_b, strict=True)]
+    names = [str(room.id) for room in rooms]
+    joined = [(str(a), str(b)) for a, b in zip(topology.room_a.tolist(), topology.room_b.tolist(), strict=True)]
     place = pixels(topology.centre) * spread(frame.width)
     scene.log(
         "graph/final",
@@ -104,15 +129,15 @@ def draw_map(scene: Scene, topology: TopologicalMap) -> None:
             names,
             positions=place,
             radii=8.0,
-            labels=[f"room {name}" for name in names],
-            colors=[style.room(room + 1) for room in range(rooms)],
+            labels=[room.title for room in rooms],
+            colors=[style.room(room.id) for room in rooms],
         ),
         rr.GraphEdges(joined),
     )
 
 
 def as_classes(labels: NDArray[np.int32]) -> NDArray[np.uint8] | NDArray[np.uint16]:
-    """Labels as class numbers in as few bytes as they fit; beyond 65,535 rooms colours repeat."""
+    """Labels as class numbers in as few bytes as they fit; beyond 65,535 numbers repeat."""
     if labels.max(initial=0) <= MOST_IN_A_BYTE:
         return labels.astype(np.uint8)
     return labels.astype(np.uint16)
@@ -120,7 +145,12 @@ def as_classes(labels: NDArray[np.int32]) -> NDArray[np.uint8] | NDArray[np.uint
 
 def room_classes(count: int) -> dict[int, tuple[str, tuple[int, ...]]]:
     """Colour and name of labels 0 to `count`."""
-    return {0: ("no room", style.CLEAR)} | {room: (f"room {room}", style.room(room)) for room in range(1, count + 1)}
+    return classes_of({room: f"room {room}" for room in range(1, count + 1)})
+
+
+def classes_of(titles: Mapping[int, str]) -> dict[int, tuple[str, tuple[int, ...]]]:
+    """Colour and name of labels, as `as_classes` gives them, by the titles of their rooms."""
+    return {room % 2**16: (title, style.room(room)) for room, title in titles.items()} | {0: ("no room", style.CLEAR)}
 
 
 def spread(width: int) -> float:

@@ -17,6 +17,7 @@ JUT: Glass = (240, 120, 40, 255)
 NOTCH: Glass = (40, 170, 200, 255)
 ISLAND: Glass = (220, 190, 40, 230)
 THIN_UNKNOWN: Glass = (150, 120, 220, 230)
+SLIT: Glass = (40, 150, 150, 230)
 CLEAR: Glass = (0, 0, 0, 0)
 
 VIRTUAL_WALL: Colour = (150, 40, 190)
@@ -46,6 +47,7 @@ SURE: Colour = (20, 120, 60)
 SURE_LOG_ODDS = 4.0
 """From which on a door has the colour of a sure one; down to minus this, of a doubtful one."""
 RIVALS: Colour = (200, 60, 160)
+EDIT: Colour = (150, 40, 190)
 NODE: Colour = (236, 196, 30)
 EDGE_MIDDLE: Colour = (214, 50, 60)
 LINK: Colour = (200, 80, 80)

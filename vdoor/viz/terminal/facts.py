@@ -123,13 +123,16 @@ def _final(run: History, walk: Walk) -> Facts:
     yield "door", f"{door.id} of {len(doors)}, {door.kind}"
     yield "rooms", f"{door.rooms[0]} and {door.rooms[1]}"
     for room in door.rooms:
-        yield f"room {room}", f"{run.topology.area_m2[room - 1]:.2f} m2"
+        each = run.topology.room(room)
+        yield f"room {room}", f"{each.area_m2:.2f} m2{f', {each.name}' * bool(each.name)}"
     yield "width", f"{door.width_m:.4f} m free"
     yield "length", f"{door.length_m:.4f} m"
     yield "tilt", f"{door.tilt_deg:.2f} deg"
     edge = int(run.topology.edge[walk.final])
     if edge < 0:
-        yield "", "a passage too narrow for the working resolution, so no virtual door stands for it"
+        added = "added by an edit, so no virtual door stands for it"
+        narrow = "a passage too narrow for the working resolution, so no virtual door stands for it"
+        yield "", added if door.kind == "added" else narrow
         return
     virtual = int(run.initial.door[edge])
     yield "virtual door", str(virtual)

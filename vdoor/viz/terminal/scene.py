@@ -18,6 +18,8 @@ from vdoor.viz.terminal.canvas import Canvas
 from vdoor.viz.terminal.plot import Curve, Plot
 
 SHARP_DEG = 90.0
+FAR = 1e6
+"""In cells: no place of a map."""
 NEARBY = 40
 """Samples to either side in a plot around one of them."""
 INK_OF_REASON = {
@@ -26,6 +28,7 @@ INK_OF_REASON = {
     "notch": "notch filled",
     "island": "island removed",
     "thin unknown": "thin unknown freed",
+    "slit": "slit closed",
 }
 
 
@@ -111,6 +114,17 @@ def _drawn_choice(run: History, canvas: Canvas, generation: int) -> Canvas:
     return canvas.line("door", initial.start[~removed], initial.end[~removed])
 
 
+def _drawn_edits(run: History, canvas: Canvas) -> Canvas:
+    """The places that edits speak of, on the map as read."""
+    del canvas
+    frame, edits = run.input.frame, run.edits
+    start, end = frame.cell_from_world(edits.start_m), frame.cell_from_world(edits.end_m)
+    near = np.abs(start).max(axis=1, initial=0) < FAR
+    lines = near & (np.abs(end).max(axis=1, initial=0) < FAR)  # which no nan is
+    ground = drawn(run, "input").line("door", start[lines], end[lines])
+    return ground.paint("chosen", np.concatenate([start[near], end[lines]]))
+
+
 def _drawn_map(run: History) -> Canvas:
     """Rooms at the input's resolution, doors and the rooms' numbers over them."""
     found, canvas = run.topology, drawn(run, "input")
@@ -118,7 +132,7 @@ def _drawn_map(run: History) -> Canvas:
     start, end = (found.frame.cell_from_world(points_m) for points_m in (found.start_m, found.end_m))
     canvas.line("door", start, end)
     canvas.paint("door", np.concatenate([start, end])[np.tile(found.edge < 0, 2)])
-    return canvas.write(found.centre, map(str, range(1, len(found.centre) + 1)))
+    return canvas.write(found.centre, map(str, found.room_ids))
 
 
 DRAWN: dict[str, Callable[[History, Canvas], Canvas]] = {
@@ -134,6 +148,7 @@ DRAWN: dict[str, Callable[[History, Canvas], Canvas]] = {
     "eroded": lambda run, canvas: canvas.tint(run.eroded.core, run.eroded.core > 0),
     "grown": lambda run, canvas: canvas.tint(run.grown.room, run.grown.room > 0),
     "initial_map": _drawn_initial,
+    "edits": _drawn_edits,
 }
 
 

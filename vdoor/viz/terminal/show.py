@@ -12,6 +12,7 @@ from rich.text import Text
 from vdoor.baselines.narrows import FATES
 from vdoor.history import SEARCH, History
 from vdoor.stages.doors import VERDICTS
+from vdoor.stages.edit import VERDICTS as EDIT_VERDICTS
 from vdoor.stages.score import JUDGEMENTS
 from vdoor.stages.simplify import REASONS
 from vdoor.viz.terminal.picture import Picture
@@ -35,6 +36,7 @@ TITLES = {
     "grown": "rooms grown back from it",
     "generation": "search: which doors to remove",
     "certificate": "what can be proven of the search's choice",
+    "edits": "what people changed, and what came of it",
     "map": "rooms and doors",
 }
 
@@ -122,6 +124,11 @@ def _search_summary(run: History) -> str:
     return f"cost {first.best_cost:.4f} to {last.best_cost:.4f}; {kept} doors kept, {int(last.removed.sum())} removed"
 
 
+def _edits_summary(run: History) -> str:
+    count = np.bincount(run.edits.verdict, minlength=len(EDIT_VERDICTS)).tolist()
+    return ", ".join(f"{number} {word}" for number, word in zip(count, EDIT_VERDICTS, strict=True) if number)
+
+
 def _map_summary(run: History) -> str:
     return f"{len(run.topology.area_m2)} rooms, {len(run.topology.kind)} doors, {run.topology.area_m2.sum():.1f} m2"
 
@@ -142,6 +149,7 @@ SUMMARIES: dict[str, Callable[[History], str]] = {
     "grown": lambda run: f"{run.grown.room.max()} rooms",
     "generation": _search_summary,
     "certificate": _certificate_summary,
+    "edits": _edits_summary,
     "map": _map_summary,
 }
 

@@ -12,9 +12,13 @@ from rich.console import RenderableType
 from rich.table import Table
 from rich.text import Text
 
+from vdoor.edits import FORMS
 from vdoor.history import History
 from vdoor.history.terms import terms_of
+from vdoor.places import place_text
 from vdoor.stages.doors import KINDS, PROPOSED, VERDICTS, VirtualDoors
+from vdoor.stages.edit import DONE, NEEDLESS
+from vdoor.stages.edit import VERDICTS as EDIT_VERDICTS
 from vdoor.stages.rooms import InitialMap
 from vdoor.stages.simplify import REASONS
 from vdoor.viz.terminal.scene import cost_plot, curvature_plot
@@ -64,6 +68,7 @@ def _simplified_details(run: History, _: int | None, limits: Limits) -> Iterator
         "notch": "a short dent of a wall, occupied now",
         "island": "an obstacle standing free, small enough to be furniture: free now",
         "thin unknown": "unknown in a thin line with free space around it: free now",
+        "slit": "free space too narrow to go through: closed now",
     }
     del limits
     for word, means in meaning.items():
@@ -205,11 +210,25 @@ def terms(run: History, generation: int) -> Text:
     return text
 
 
+def _edit_details(run: History, _: int | None, limits: Limits) -> Iterator[RenderableType]:
+    edits = run.edits
+    rows = table("edit", "what", "at x,y m", "and x,y m", "verdict", "rooms")
+    for row in range(min(len(edits.kind), limits.rows)):
+        ends = ("" if np.isnan(end).any() else place_text(tuple(end)) for end in (edits.start_m[row], edits.end_m[row]))
+        verdict = EDIT_VERDICTS[edits.verdict[row]]
+        style = "green" if verdict in (DONE, NEEDLESS) else "red"
+        rooms = " ".join(map(str, edits.touched_room[edits.touched_edit == row].tolist()))
+        rows.add_row(str(row), tuple(FORMS)[edits.kind[row]], *ends, Text(verdict, style=style), rooms)
+    yield rows
+    yield from _more(len(edits.kind), limits)
+
+
 def _map_details(run: History, _: int | None, limits: Limits) -> Iterator[RenderableType]:
-    rooms = table("room", "area m2", "centre x,y m", "neighbours")
+    rooms = table("room", "name", "area m2", "centre x,y m", "neighbours")
     for each in run.topology.rooms[: limits.rows]:
         centre = f"{each.centre_m[0]:.2f},{each.centre_m[1]:.2f}"
-        rooms.add_row(str(each.id), f"{each.area_m2:.2f}", centre, " ".join(map(str, each.neighbours)) or "none")
+        neighbours = " ".join(map(str, each.neighbours)) or "none"
+        rooms.add_row(str(each.id), each.name, f"{each.area_m2:.2f}", centre, neighbours)
     yield rooms
     yield from _more(len(run.topology.area_m2), limits)
     doors = table("door", "rooms", "kind", "width m", "length m", "tilt deg", "middle x,y m", "edge")
@@ -238,5 +257,6 @@ DETAILS: dict[str, Callable[[History, int | None, Limits], Iterator[RenderableTy
     "initial_map": _initial_details,
     "generation": _search_details,
     "certificate": _certificate_details,
+    "edits": _edit_details,
     "map": _map_details,
 }

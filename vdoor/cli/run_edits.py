@@ -1,0 +1,112 @@
+"""Edits in `vdoor run`: from files and options, from an older result, and what came of them."""
+
+from __future__ import annotations
+
+import contextlib
+import dataclasses
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from vdoor.errors import SettingError, VdoorError
+from vdoor.say import say
+
+if TYPE_CHECKING:
+    from vdoor.emit import Sink
+    from vdoor.grid import OccupancyGrid
+    from vdoor.matching import Match
+    from vdoor.pipeline import AnyPipeline
+    from vdoor.record import Record
+
+EDITS = "edits.toml"
+LITTLE = 0.5
+"""Maps that have less of their rooms' area in common are hardly of the same place."""
+
+
+def with_edits(
+    pipeline: AnyPipeline, file: Path | None, closed_doors: Sequence[str], grid: OccupancyGrid
+) -> AnyPipeline:
+    """The pipeline with the edits of a file, then doors that were shut; `SettingError` where no wall is at a place."""
+    from vdoor.edits import Edit, read_edits
+    from vdoor.places import parse_place
+    from vdoor.stages.closed_doors import THICKEST_M, openings
+
+    edits = read_edits(file) if file is not None else []
+    for text in closed_doors:
+        place = parse_place(text, what="--closed-door")
+        if openings(grid.free, grid.frame, [place])[0] is None:
+            raise SettingError(
+                f"--closed-door: wanted a wall of at most {THICKEST_M:g} m between free places, found none at {text}"
+            )
+        edits.append(Edit("closed-door", (place,)))
+    if not edits:
+        return pipeline
+    edit = dataclasses.replace(pipeline.edit, edits=(*pipeline.edit.edits, *map(str, edits)))
+    return dataclasses.replace(pipeline, edit=edit)
+
+
+def leave_edits(folder: Path, lines: Sequence[str], *, quiet: bool) -> None:
+    """Write the edits of a run into its folder; other edits that stood there go on under another name."""
+    from vdoor.edits import append_edits, parse, read_edits
+    from vdoor.files import write_whole
+
+    path, before = folder / EDITS, folder / f"before.{EDITS}"
+    edits = [parse(line) for line in lines]
+    there = path.read_bytes() if path.is_file() else None
+    if not edits:
+        if there is not None and not quiet:
+            say(f"note: edits in the folder were not done (--edits does them): {path}")
+        return
+    if there is not None:
+        with contextlib.suppress(VdoorError):  # such as what was written by hand and is no edit
+            if read_edits(path) == edits:
+                return
+        write_whole(before, there)
+        path.unlink()
+        if not quiet:
+            say(f"note: other edits were in the folder, they are kept: {before}")
+    append_edits(path, edits)
+
+
+def matched(
+    older: Path, grid: OccupancyGrid, pipeline: AnyPipeline, *, seed: int, edits_too: bool, quiet: bool
+) -> tuple[AnyPipeline, Match]:
+    """The pipeline with the ids and names of an older result, and what became of its rooms, told on stderr."""
+    from vdoor.export import read_finished
+    from vdoor.matching import Older, carried_over
+
+    place = older.parent if older.name == "map.json" else older
+    finished = read_finished(place)
+    old = Older.of(finished.topology, finished.settings, finished.own_origin_cm)
+    pipeline, found = carried_over(old, grid, pipeline, seed=seed, edits_too=edits_too)
+    for line in () if quiet else found.lines():
+        say(line)
+    if found.alignment.overlap < LITTLE and not quiet:
+        say(f"note: the two maps have little in common; are they of the same place? {older}")
+    return pipeline, found
+
+
+class EditNotes:
+    """A sink that says on stderr which edits could not be done."""
+
+    def __init__(self, lines: Sequence[str]) -> None:
+        self._lines = lines
+
+    @classmethod
+    def sinks(cls, pipeline: AnyPipeline, *, quiet: bool) -> list[Sink]:
+        """One, where there is something to say and someone who listens."""
+        return [cls(pipeline.edit.edits)] if pipeline.edit.edits and not quiet else []
+
+    def write(self, step: int, record: Record) -> None:
+        """Say it of the one record that tells."""
+        from vdoor.stages.edit import DONE, NEEDLESS, Edits, told
+
+        del step
+        if not isinstance(record, Edits):
+            return
+        for line, verdict in told(record, self._lines):
+            if verdict not in (DONE, NEEDLESS):
+                say(f"note: an edit could not be done, {verdict}: {line}")
+
+    def close(self) -> None:
+        """Nothing to finish."""

@@ -1,0 +1,122 @@
+"""How an older map of the same place lies to a new one: in the same frame, or moved."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import ndimage
+from scipy.signal import fftconvolve
+
+from vdoor.places import Point
+from vdoor.topology import TopologicalMap
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int32]
+
+MOST_SIDE = 1024
+"""Cells along the longer side of the rasters that are shifted over each other."""
+PEAKS = 8
+"""Shifts that are tried in full."""
+BETTER = 0.02
+"""How much more must lie over each other for another shift to be believed than the known one."""
+MOST_POINTS = 40_000
+"""Cells of rooms that a shift is tried with."""
+
+
+@dataclass(frozen=True)
+class Alignment:
+    """Where the older map lies in the new map's frame."""
+
+    shift_m: Point
+    """What is added to the older map's x, y."""
+    overlap: float
+    """Share of the area of both maps' rooms that is in both, 0 to 1."""
+
+
+def aligned(old: TopologicalMap, new: TopologicalMap, *, known_m: Point = (0.0, 0.0)) -> Alignment:
+    """The shift by which the rooms of both maps lie over each other best; the known one where that is as good.
+
+    `known_m` is the shift that the maps' own frames say, if the robot has not lost its place between them. Maps may be
+    of different resolutions, sizes and origins, and one may show more than the other. They are not turned: frames that
+    are turned to each other are taken as they say.
+    """
+    overlap = _Overlap(old, new)
+    shifts = [np.array(known_m), *_candidates(old, new)]
+    found = [(shift, overlap(shift)) for shift in shifts]
+    still = found[0][1]
+    best, most = max(found[1:], key=lambda pair: pair[1], default=found[0])
+    if most > still:
+        best, most = _refined(overlap, best, most, min(old.frame.resolution_m, new.frame.resolution_m) / 2)
+    if most < still + BETTER:
+        best, most = found[0]
+    return Alignment((float(best[0]), float(best[1])), most)
+
+
+def labels_under(old: TopologicalMap, points_m: Floats, shift_m: Floats) -> Ints:
+    """Room (k,) of the older map at points (k, 2) of the new one, 0 where none is."""
+    cells = np.floor(old.frame.cell_from_world(points_m - shift_m) + 0.5).astype(np.int64)
+    inside = ((cells >= 0) & (cells < old.labels.shape)).all(axis=1)
+    labels = np.zeros(len(points_m), np.int32)
+    labels[inside] = old.labels[tuple(cells[inside].T)]
+    return labels
+
+
+class _Overlap:
+    """Area in rooms of both maps, as a share of that in rooms of either, by the shift of the older one."""
+
+    def __init__(self, old: TopologicalMap, new: TopologicalMap) -> None:
+        inside = np.flatnonzero(new.labels)
+        every = -(-len(inside) // MOST_POINTS) or 1
+        cells = np.stack(np.unravel_index(inside[::every], new.labels.shape), axis=1)
+        self._old, self._points_m = old, new.frame.world_from_cell(cells)
+        self._old_m2, self._new_m2 = float(old.area_m2.sum()), float(new.area_m2.sum())
+
+    def __call__(self, shift_m: Floats) -> float:
+        under = np.count_nonzero(labels_under(self._old, self._points_m, shift_m))
+        both_m2 = under / max(len(self._points_m), 1) * self._new_m2
+        return both_m2 / max(self._old_m2 + self._new_m2 - both_m2, 1e-9)
+
+
+def _candidates(old: TopologicalMap, new: TopologicalMap) -> list[Floats]:
+    """Shifts in metres at which most of the rooms' borders fall on each other."""
+    borders_m = [_borders_m(topology) for topology in (old, new)]
+    if not all(map(len, borders_m)):
+        return []
+    widest_m = max(float(np.ptp(points_m, axis=0).max()) for points_m in borders_m)
+    cell_m = max(old.frame.resolution_m, new.frame.resolution_m, widest_m / MOST_SIDE)
+    one, other = (_raster(points_m, cell_m) for points_m in borders_m)
+    votes = fftconvolve(other[0], one[0][::-1, ::-1])
+    votes = np.where(ndimage.maximum_filter(votes, 5) == votes, votes, 0.0)
+    places = np.argsort(-votes.round(6), axis=None, kind="stable")[:PEAKS]
+    steps = np.stack(np.unravel_index(places, votes.shape), axis=1) - (np.array(one[0].shape) - 1)
+    return list(other[1] - one[1] + steps * cell_m)
+
+
+def _borders_m(topology: TopologicalMap) -> Floats:
+    """Cells (k, 2) at the edge of the rooms as x, y."""
+    rooms = np.pad(topology.labels > 0, 1)
+    inner = rooms[1:-1, 1:-1] & rooms[:-2, 1:-1] & rooms[2:, 1:-1] & rooms[1:-1, :-2] & rooms[1:-1, 2:]
+    return topology.frame.world_from_cell(np.argwhere(rooms[1:-1, 1:-1] & ~inner))
+
+
+def _raster(points_m: Floats, cell_m: float) -> tuple[Floats, Floats]:
+    """Points drawn on cells, softly, and x, y of the first cell."""
+    low = points_m.min(axis=0)
+    cells = np.rint((points_m - low) / cell_m).astype(int)
+    drawn = np.zeros(cells.max(axis=0) + 1)
+    drawn[tuple(cells.T)] = 1.0
+    return ndimage.gaussian_filter(drawn, 0.7, mode="constant"), low
+
+
+def _refined(overlap: _Overlap, shift_m: Floats, most: float, step_m: float) -> tuple[Floats, float]:
+    """The shift moved step by step as long as more lies over each other, and how much does."""
+    ways = step_m * np.array([(dx, dy) for dx in (-1, 0, 1) for dy in (-1, 0, 1) if dx or dy], np.float64)
+    for _ in range(20):
+        tried = [(shift_m + way, overlap(shift_m + way)) for way in ways]
+        best = max(tried, key=lambda pair: pair[1])
+        if best[1] <= most + 1e-9:  # a rounding error
+            break
+        shift_m, most = best
+    return shift_m, most
