@@ -6,10 +6,10 @@ from vdoor.evidence.genetic_operators import Operation, Rates, crossover, measur
 from vdoor.evidence.sub_cases import SUB_CASES, SubCase, sub_cases
 from vdoor.evidence.table_one import ENVIRONMENTS, PRINTED, Environment, Row, table_one
 from vdoor.evidence.walk import Counts, Walk, walked
-from vdoor.evidence.walk_through import Line, WalkThrough, walk_through
+from vdoor.evidence.walk_through import Line, WalkThrough, figure_walk, walk_through
 
 __all__ = [
     "ENVIRONMENTS", "METHODS", "PRINTED", "SUB_CASES", "Counts", "DoorCount", "Environment", "Line", "Operation",
-    "Rates", "Row", "Study", "SubCase", "Walk", "WalkThrough", "apartments", "crossover", "measured_rates", "mutation",
-    "sub_cases", "table_one", "walk_through", "walked",
+    "Rates", "Row", "Study", "SubCase", "Walk", "WalkThrough", "apartments", "crossover", "figure_walk",
+    "measured_rates", "mutation", "sub_cases", "table_one", "walk_through", "walked",
 ]  # fmt: skip

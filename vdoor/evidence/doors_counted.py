@@ -18,11 +18,15 @@ from vdoor.evidence.walk import paper
 from vdoor.synth import SyntheticMap
 from vdoor.topology import TopologicalMap
 
+Lines = NDArray[np.float64]
+
 MATCHED_WITHIN_M = 0.5
 """How far the middles of a real and a virtual door may be apart."""
 ISLANDS_UP_TO_M = 1.0
 """Where there is furniture, what stands free and is at most so long is taken out for every method."""
 PROPOSED = "proposed"
+ISLANDS_KEPT = "islands-kept"
+"""The proposed method where there is furniture and nothing is taken out, as the paper knows no such step."""
 METHODS: Mapping[str, Any] = MappingProxyType(  # Any: pipelines of several classes, all called alike
     {
         "voronoi-doors": VoronoiDoorsPipeline(),  # after [8]
@@ -31,6 +35,13 @@ METHODS: Mapping[str, Any] = MappingProxyType(  # Any: pipelines of several clas
     }
 )
 """The existing algorithm's two stand-ins, and the paper's method; all at its working resolution."""
+CALLED = {
+    "voronoi-doors": "Voronoi doors",
+    "eroded-space": "eroded space",
+    PROPOSED: "proposed",
+    ISLANDS_KEPT: "proposed with islands kept",
+}
+"""What they are called in tables."""
 Z_95 = 1.959963984540054
 """Standard normal deviate of a two-sided interval of 95 %."""
 
@@ -87,19 +98,60 @@ class DoorCount:
         return Share(part=self.matched, of=self.real)
 
 
+@dataclass(frozen=True, eq=False)
+class Detection:
+    """What a method reports on one map, beside the truth."""
+
+    real_m: Lines
+    virtual_m: Lines
+    """Ends of each door (k, 2, 2) as x, y; one that borders more than two rooms is there once."""
+    pairs: tuple[tuple[int, int], ...]
+    """Which real door is which virtual one."""
+
+    @property
+    def count(self) -> DoorCount:
+        """How many."""
+        return DoorCount(real=len(self.real_m), virtual=len(self.virtual_m), matched=len(self.pairs))
+
+
+def methods_for(made: SyntheticMap) -> dict[str, Any]:
+    """Every method as it runs on a map, by name; where that is furnished, the proposed one `ISLANDS_KEPT` beside."""
+    found = {name: for_map(made, method) for name, method in METHODS.items()}
+    return found | ({ISLANDS_KEPT: METHODS[PROPOSED]} if is_furnished(made) else {})
+
+
+def counted_all(made: SyntheticMap, *, seed: int = 0) -> dict[str, DoorCount]:
+    """Doors of one map by every method."""
+    return {name: detected(made, method, seed=seed).count for name, method in methods_for(made).items()}
+
+
 def counted(made: SyntheticMap, method: Any, *, seed: int = 0) -> DoorCount:
     """Doors of one map by one method, which takes small islands out where the map is furnished."""
-    furnished = getattr(made.settings, "furniture", False)
-    simplify = dataclasses.replace(method.simplify, max_island_m=ISLANDS_UP_TO_M if furnished else 0.0)
-    found = dataclasses.replace(method, simplify=simplify)(made.grid, np.random.default_rng(seed))
-    ends = [(door.start_m, door.end_m) for door in made.doors]
-    real = np.array(ends, np.float64).reshape(-1, 2, 2).mean(axis=1)
-    virtual = middles_m(found)
-    matched, _ = nearest_pairs(real, virtual, MATCHED_WITHIN_M)
-    return DoorCount(real=len(real), virtual=len(virtual), matched=len(matched))
+    return detected(made, for_map(made, method), seed=seed).count
 
 
-def middles_m(found: TopologicalMap) -> NDArray[np.float64]:
-    """Middle (k, 2) of each door as x, y, of one that borders more than two rooms once."""
-    middle = (found.start_m + found.end_m) / 2
-    return np.unique(middle.round(9), axis=0)
+def detected(made: SyntheticMap, method: Any, *, seed: int = 0) -> Detection:
+    """Doors of one map by one method just as it is, those at the same place as pairs."""
+    found = method(made.grid, np.random.default_rng(seed))
+    real = np.array([(door.start_m, door.end_m) for door in made.doors], np.float64).reshape(-1, 2, 2)
+    virtual = lines_m(found)
+    rows, columns = nearest_pairs(real.mean(axis=1), virtual.mean(axis=1), MATCHED_WITHIN_M)
+    return Detection(real, virtual, tuple(zip(rows.tolist(), columns.tolist(), strict=True)))
+
+
+def for_map(made: SyntheticMap, method: Any) -> Any:
+    """The method as it runs on a map: it takes small islands out where the map is furnished."""
+    simplify = dataclasses.replace(method.simplify, max_island_m=ISLANDS_UP_TO_M if is_furnished(made) else 0.0)
+    return dataclasses.replace(method, simplify=simplify)
+
+
+def is_furnished(made: SyntheticMap) -> bool:
+    """Whether the map was drawn with furniture."""
+    return bool(getattr(made.settings, "furniture", False))
+
+
+def lines_m(found: TopologicalMap) -> Lines:
+    """Ends (k, 2, 2) of each door as x, y, of one that borders more than two rooms once, sorted by their middles."""
+    ends = np.stack([found.start_m, found.end_m], axis=1)
+    _, first = np.unique(ends.mean(axis=1).round(9), axis=0, return_index=True)
+    return np.asarray(ends[first])

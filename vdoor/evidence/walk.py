@@ -7,9 +7,10 @@ from typing import TypeVar
 
 import numpy as np
 
-from vdoor.grid import OccupancyGrid
+from vdoor.grid import FREE, OccupancyGrid
 from vdoor.pipeline import PRESETS, Pipeline
 from vdoor.record import Record
+from vdoor.stages.contours import follow
 from vdoor.stages.corners import Candidates, Corners
 from vdoor.stages.doors import KINDS, PROPOSED, VirtualDoors
 from vdoor.stages.rooms import InitialMap
@@ -29,6 +30,10 @@ class Counts:
     unreachable_cells: int
     jut_cells: int
     notch_cells: int
+    islands: int
+    concave_turns: int
+    convex_turns: int
+    """Turns of the simplified map's boundary, its true corners; concave less convex is 4 - 4 x islands."""
     concave_candidates: int
     convex_candidates: int
     concave_corners: int
@@ -42,6 +47,8 @@ class Counts:
     nodes: int
     edges: int
     """Of the initial map."""
+    edges_of_many: int
+    """Those that border more than two nodes."""
     best_generation: int
     """The first that had the best choice of the whole search."""
     evaluations: int
@@ -81,10 +88,14 @@ class Walk:
         kind = np.bincount(doors.kind[doors.verdict == PROPOSED], minlength=len(KINDS)).tolist()
         last = self.generations[-1].best_cost
         best = next(found for found in self.generations if found.best_cost <= last + SAME_COST)
+        contours = follow(self.get(SimplifiedGrid).cells == FREE)
         return Counts(
             unreachable_cells=reason[REASONS.index("unreachable")],
             jut_cells=reason[REASONS.index("jut")],
             notch_cells=reason[REASONS.index("notch")],
+            islands=int((~contours.outer).sum()),
+            concave_turns=int((contours.turn < 0).sum()),
+            convex_turns=int((contours.turn > 0).sum()),
             concave_candidates=int((~candidates).sum()),
             convex_candidates=int(candidates.sum()),
             concave_corners=int((~corners).sum()),
@@ -94,6 +105,7 @@ class Walk:
             singles=kind[KINDS.index("single")],
             nodes=len(initial.area_m2),
             edges=len(initial.door),
+            edges_of_many=int((np.bincount(initial.border_edge) > 2).sum()),  # noqa: PLR2004  # a door has two sides
             best_generation=best.number,
             evaluations=best.evaluations,
             final_nodes=len(final.area_m2),
