@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -52,21 +52,16 @@ def ablate(
     quiet: Quiet = False,
 ) -> None:
     """Measure what each part of the recipe is worth, on maps whose rooms or doors are known."""
-    from vdoor.trials import Choice, ablation, report, variants_with
+    from vdoor.trials import ablation, report, variants_with
 
     pipeline = chosen_pipeline(preset, None, set_)
     variants, models = variants_with(model or ())
-    choice = Choice(
-        reference=reference, bare=bare_map, resolution_m=resolution, free_from=free_from,
-        only=only or (), exclude=exclude or (),
-    )  # fmt: skip
-    trials = _read(maps, choice, quiet=quiet)
-    found = ablation(trials, pipeline, variants=variants, models=models, seed=seed, place=_placed)
+    choice = chosen(reference, bare_map, resolution_m=resolution, free_from=free_from, only=only, exclude=exclude)
+    trials = read(maps, choice, quiet=quiet)
+    found = ablation(trials, pipeline, variants=variants, models=models, seed=seed, place=placed_quietly)
     rows = _said(found, quiet=quiet)
-    if as_json:
-        print(json.dumps(report.document(rows, trials, preset, seed), indent=1, allow_nan=False))
-    else:
-        print("\n".join(report.table(rows, report.ABLATION, "variant")))
+    table = report.table(rows, report.ABLATION, "variant")
+    _print(report.document(rows, trials, preset, seed) if as_json else table)
 
 
 def robust(
@@ -85,22 +80,35 @@ def robust(
     quiet: Quiet = False,
 ) -> None:
     """Measure what doors lose on maps turned, in larger cells, and with noise on their walls."""
-    from vdoor.trials import Choice, report, robustness
+    from vdoor.trials import report, robustness
 
     pipeline = chosen_pipeline(preset, None, set_)
-    choice = Choice(
-        reference=reference, bare=bare_map, resolution_m=resolution, free_from=free_from,
+    choice = chosen(reference, bare_map, resolution_m=resolution, free_from=free_from, only=only, exclude=exclude)
+    trials = read(maps, choice, quiet=quiet)
+    rows = _said(robustness(trials, pipeline, seed=seed, place=placed_quietly), quiet=quiet)
+    table = report.table(rows, report.ROBUSTNESS, "maps")
+    _print(report.document(rows, trials, preset, seed) if as_json else table)
+
+
+def chosen(
+    reference: Path,
+    bare: Path | None,
+    *,
+    resolution_m: float | None,
+    free_from: int | None,
+    only: list[str] | None,
+    exclude: list[str] | None,
+) -> Choice:
+    """Which maps are tried, and how they are read, from the options that say so."""
+    from vdoor.trials import Choice
+
+    return Choice(
+        reference=reference, bare=bare, resolution_m=resolution_m, free_from=free_from,
         only=only or (), exclude=exclude or (),
     )  # fmt: skip
-    trials = _read(maps, choice, quiet=quiet)
-    rows = _said(robustness(trials, pipeline, seed=seed, place=_placed), quiet=quiet)
-    if as_json:
-        print(json.dumps(report.document(rows, trials, preset, seed), indent=1, allow_nan=False))
-    else:
-        print("\n".join(report.table(rows, report.ROBUSTNESS, "maps")))
 
 
-def _read(maps: Path, choice: Choice, *, quiet: bool) -> list[Trial]:
+def read(maps: Path, choice: Choice, *, quiet: bool) -> list[Trial]:
     """Maps with references; those without, and what readers warn of, on stderr."""
     from vdoor.trials import read_trials
 
@@ -113,7 +121,7 @@ def _read(maps: Path, choice: Choice, *, quiet: bool) -> list[Trial]:
     return found.trials
 
 
-def _placed(pipeline: AnyPipeline, grid: OccupancyGrid) -> AnyPipeline:
+def placed_quietly(pipeline: AnyPipeline, grid: OccupancyGrid) -> AnyPipeline:
     """The pipeline with the robot where the map's file says, as `vdoor run` has it."""
     return placed(pipeline, grid, quiet=True)
 
@@ -126,3 +134,8 @@ def _said(rows: Iterable[Row], *, quiet: bool) -> list[Row]:
         if not quiet:
             say(f"{row.name}: door F1 {row.figures['door_f1']:.3f}")
     return found
+
+
+def _print(told: Mapping[str, Any] | Iterable[str]) -> None:
+    """A table, or a document as JSON."""
+    print(json.dumps(told, indent=1, allow_nan=False) if isinstance(told, Mapping) else "\n".join(told))

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from vdoor.emit import Emit, silent
 from vdoor.errors import MapError
 from vdoor.evaluate import Evaluation, evaluate, means, pooled, rooms_of
 from vdoor.grid import OccupancyGrid
@@ -56,13 +57,15 @@ def as_it_is(pipeline: AnyPipeline, _: OccupancyGrid) -> AnyPipeline:
     return pipeline
 
 
-def measured(trial: Trial, pipeline: AnyPipeline, *, seed: int = 0, place: Place = as_it_is) -> Outcome:
+def measured(
+    trial: Trial, pipeline: AnyPipeline, *, seed: int = 0, place: Place = as_it_is, emit: Emit = silent
+) -> Outcome:
     """The pipeline's division of one map against the truth; MapError with the map's name where it finds nothing."""
     grid = trial.division.grid
     try:
         there = place(pipeline, grid)
         start_s = time.process_time()
-        topology = run(grid, there, seed=seed)
+        topology = run(grid, there, seed=seed, emit=emit)
         cpu_s = time.process_time() - start_s
     except MapError as error:
         raise MapError(f"{trial.name}: {error}") from error

@@ -1,0 +1,152 @@
+"""`vdoor sweep`."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from vdoor.cli.options import Force, Json, Preset, Resolution, Seed, Set, chosen_pipeline
+from vdoor.cli.trials import BareMap, Exclude, FreeFrom, Only, Quiet, chosen, placed_quietly, read
+from vdoor.errors import SettingError
+from vdoor.say import say
+
+if TYPE_CHECKING:
+    from vdoor.trials import Choice, Point, Step, Trial
+
+APARTMENTS = 20
+CELL_M = 0.05
+"""Of an apartment's map: fine enough that the working resolution can be swept."""
+
+
+def sweep(
+    sweeps: Annotated[
+        list[str] | None,
+        typer.Argument(
+            metavar="SETTING=VALUES",
+            help="VALUES are FROM..TO:STEP or with commas between; SETTING is stage.field or seed. "
+            "Default: all that the paper chose.",
+        ),
+    ] = None,
+    *,
+    maps: Annotated[
+        Path | None, typer.Option(metavar="MAPS", help="Folder of maps, or a map. Default: synthetic apartments.")
+    ] = None,
+    reference: Annotated[
+        Path | None, typer.Option(metavar="REF", help="The truth about MAPS, as for `vdoor evaluate`; or folder.")
+    ] = None,
+    bare_map: BareMap = None,
+    free_from: FreeFrom = None,
+    resolution: Resolution = None,
+    only: Only = None,
+    exclude: Exclude = None,
+    apartments: Annotated[
+        int | None, typer.Option(min=1, metavar="N", help=f"Synthetic apartments.  [default: {APARTMENTS}]")
+    ] = None,
+    furnished: Annotated[bool, typer.Option("--furnished", help="Apartments with furniture.")] = False,
+    preset: Preset = "paper",
+    set_: Set = None,
+    seed: Seed = 0,
+    save: Annotated[Path | None, typer.Option(metavar="FILE.rrd", help="Charts as a Rerun recording.")] = None,
+    png: Annotated[
+        Path | None, typer.Option(metavar="FILE.png", help="Charts as a picture (needs matplotlib).")
+    ] = None,
+    force: Force = False,
+    as_json: Json = False,
+    quiet: Quiet = False,
+) -> None:
+    """Measure what a setting does: the same maps at each of its values.
+
+    The value that the preset (or --set) has anyway is always among them, with a star. A map on which a run fails
+    counts as one on which nothing was found. Doors found are contacts between rooms, as `vdoor evaluate` has them;
+    virtual ones are those of the result's own list, as the paper counts them; accuracy is matched / virtual.
+    """
+    from vdoor.config import settings_of
+    from vdoor.pipeline import METHODS
+    from vdoor.trials import steps, sweep_report
+
+    pipeline = chosen_pipeline(preset, None, set_)
+    todo = steps.planned(sweeps or steps.PAPER, pipeline, seed=seed)
+    _refuse_pictures(save, png, force=force)
+    choice = None
+    if maps is None and (bare_map or resolution or free_from is not None or only or exclude):
+        raise SettingError("sweep: wanted --maps beside options that say how maps are read, found none")
+    if reference is not None:
+        choice = chosen(reference, bare_map, resolution_m=resolution, free_from=free_from, only=only, exclude=exclude)
+    trials = _trials(maps, choice, apartments, furnished=furnished, quiet=quiet)
+    points = _swept(todo, trials, quiet=quiet)
+    _draw(points, save, png)
+    if as_json:
+        about = {
+            "preset": preset,
+            "settings": settings_of(pipeline, METHODS),
+            "seed": seed,
+            "furnished": furnished,
+            "maps": [trial.name for trial in trials],
+        }
+        print(json.dumps(sweep_report.document(points, about), indent=1, allow_nan=False))
+    else:
+        print("\n".join(sweep_report.lines(points)))
+
+
+def _refuse_pictures(save: Path | None, png: Path | None, *, force: bool) -> None:
+    """VdoorError, before anything runs, where what is drawn could not be written."""
+    from vdoor.files import refuse_existing
+
+    files = [path for path in (save, png) if path]
+    refuse_existing(files, force=force)
+    for path in files:
+        if not path.parent.is_dir():
+            raise SettingError(f"output: wanted a folder that is there, found none: {path.parent}")
+    if png is not None:
+        from vdoor.viz.matplot import require_matplotlib
+
+        require_matplotlib()
+
+
+def _draw(points: list[Point], save: Path | None, png: Path | None) -> None:
+    """The charts, where they are wanted."""
+    if save is not None:
+        from vdoor.viz.rerun.sweep import save_sweeps
+
+        save_sweeps(save, points)
+    if png is not None:
+        from vdoor.files import write_whole
+        from vdoor.viz.charts import sweep_png
+
+        write_whole(png, sweep_png(points))
+
+
+def _trials(
+    maps: Path | None, choice: Choice | None, apartments: int | None, *, furnished: bool, quiet: bool
+) -> list[Trial]:
+    """The maps asked for, or apartments."""
+    from vdoor.evidence.apartments import FIRST_SEED, drawn
+    from vdoor.trials import trial_of
+
+    if maps is None and choice is None:
+        made = drawn(apartments or APARTMENTS, furniture=furnished, cell_m=CELL_M)
+        return [trial_of(one, f"apartment_{FIRST_SEED + number}") for number, one in enumerate(made)]
+    if maps is None or choice is None:
+        raise SettingError(f"sweep: wanted --maps and --reference, found {'--reference' if choice else '--maps'} alone")
+    if apartments is not None or furnished:
+        raise SettingError("sweep: wanted either --maps or --apartments and --furnished, found both")
+    return read(maps, choice, quiet=quiet)
+
+
+def _swept(todo: list[Step], trials: list[Trial], *, quiet: bool) -> list[Point]:
+    """All points; each on stderr as soon as it is there."""
+    from vdoor.trials import swept
+    from vdoor.trials.sweep_report import value_text
+
+    points = []
+    for number, point in enumerate(swept(todo, trials, place=placed_quietly), start=1):
+        points.append(point)
+        if not quiet:
+            place = f"{number} of {len(todo)}: {point.setting.name}={value_text(point.value)}"
+            say(f"{place}: door F1 {point.figures['door_f1']:.3f}")
+            for name, error in point.failed.items():
+                say(f"note: {name} failed: {error.removeprefix(f'{name}: ')}")
+    return points

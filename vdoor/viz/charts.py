@@ -1,0 +1,124 @@
+"""Sweeps as one picture: a row for each setting, a column for each panel. Equal sweeps give equal bytes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from vdoor.trials.sweep import Point, by_setting
+from vdoor.viz.matplot import drawing, to_png
+from vdoor.viz.panels import (
+    NOTE,
+    PANELS,
+    Axis,
+    Line,
+    Panel,
+    Series,
+    axis_of,
+    label_of,
+    limits,
+    maps_of,
+    series_of,
+)
+from vdoor.viz.rerun.style import Colour
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import SubFigure
+
+PANEL_IN = (3.5, 2.4)
+"""Width and height of a panel in inches."""
+NOTE_IN = 0.35
+OWN: Colour = (110, 114, 122)
+FAILED: Colour = (214, 30, 50)
+FAILED_ABOVE = 0.06
+"""Where it is said how many, as a share."""
+TICKS = 6
+MOST_WORDS = 4
+"""More words below an axis are turned."""
+
+
+def sweep_png(points: Sequence[Point]) -> bytes:
+    """The charts as a PNG; VdoorError without matplotlib."""
+    sweeps = by_setting(points)
+    shared = [limits(panel, sweeps.values()) if panel.alike else None for panel in PANELS]
+    with drawing(PANEL_IN[0] * len(PANELS), PANEL_IN[1] * len(sweeps) + NOTE_IN) as figure:
+        figure.suptitle(NOTE.format(maps=maps_of(points)), fontsize=8, x=0.01, horizontalalignment="left")
+        rows = figure.subfigures(len(sweeps), 1, squeeze=False)[:, 0]
+        for number, (row, own) in enumerate(zip(rows, sweeps.values(), strict=True)):
+            draw_sweep(row, own, shared, first=not number)
+        return to_png(figure)
+
+
+def draw_sweep(
+    row: SubFigure, points: Sequence[Point], shared: Sequence[tuple[float, float] | None], *, first: bool
+) -> None:
+    """All panels of one sweep, side by side; the first one of a picture has the legends."""
+    axis = axis_of(points)
+    setting = points[0].setting
+    title = f"{setting.meaning} Preset: {axis.texts[axis.own]}"
+    row.suptitle(title, fontsize=9, fontweight="bold", x=0.01, horizontalalignment="left")
+    for axes, panel, ends in zip(row.subplots(1, len(PANELS)), PANELS, shared, strict=True):
+        draw_panel(axes, panel, points, axis)
+        axes.set_ylim(ends or limits(panel, [points]))
+        axes.set_xlabel(label_of(setting))
+        axes.set_title(panel.title, loc="left")
+        if first and len(panel.lines) > 1:
+            axes.legend()
+
+
+def draw_panel(axes: Axes, panel: Panel, points: Sequence[Point], axis: Axis) -> None:
+    """One panel of one sweep."""
+    axes.axvline(axis.places[axis.own], color=shade(OWN), linewidth=1.0, linestyle=":")
+    axes.axhline(0.0, color="0.6", linewidth=0.6)
+    for behind, line in enumerate(reversed(panel.lines)):
+        draw_line(axes, line, series_of(points, line, panel), axis, behind=behind)
+    if panel.most is not None:
+        draw_failed(axes, points, axis)
+    axes.set_ylabel(panel.unit)
+    axes.grid(axis="y", color="0.92", linewidth=0.6)
+    axes.set_axisbelow(True)
+    if axis.numeric:
+        axes.locator_params(axis="x", nbins=TICKS)
+    else:
+        axes.set_xticks(axis.places, axis.texts, rotation=30 if len(axis.texts) > MOST_WORDS else 0)
+        axes.set_xlim(-0.5, len(axis.places) - 0.5)
+
+
+def draw_line(axes: Axes, line: Line, series: Series, axis: Axis, *, behind: int) -> None:
+    """One figure: a line over numbers, points over words; the more are in front of it the wider it is, to be seen."""
+    colour, size = shade(line.colour), 1.3 + 0.7 * behind
+    axes.plot(
+        axis.places,
+        series.mean,
+        linestyle="-" if axis.numeric else "none",
+        marker="o",
+        markersize=1.3 + size,
+        color=colour,
+        linewidth=size,
+        label=line.name,
+        zorder=3 - 0.1 * behind,
+    )
+    if not line.band:
+        return
+    if axis.numeric:
+        axes.fill_between(axis.places, series.low, series.high, color=colour, alpha=0.15, linewidth=0)
+    else:
+        axes.vlines(axis.places, series.low, series.high, color=colour, alpha=0.3, linewidth=5)
+
+
+def draw_failed(axes: Axes, points: Sequence[Point], axis: Axis) -> None:
+    """A cross and a number where maps failed."""
+    for place, point in zip(axis.places, points, strict=True):
+        if point.failed:
+            axes.plot(place, 0.0, "x", color=shade(FAILED), clip_on=False, zorder=5)
+            text = f"{len(point.failed)} failed"
+            axes.annotate(
+                text, (place, FAILED_ABOVE), color=shade(FAILED), fontsize=7, rotation=90, ha="center", va="bottom"
+            )
+
+
+def shade(colour: Colour) -> tuple[float, float, float]:
+    """The colour as matplotlib has it."""
+    red, green, blue = colour
+    return red / 255, green / 255, blue / 255
