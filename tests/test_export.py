@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import dataclasses
 import io
 import itertools
 import json
+import math
 import re
 import xml.etree.ElementTree as ET
 from collections.abc import Callable
@@ -26,7 +28,7 @@ from PIL import Image
 import vdoor
 from vdoor import export
 from vdoor.errors import SettingError, VdoorError
-from vdoor.export import WRITERS, Export, Finished, Raster, node_link, writer_named
+from vdoor.export import WRITERS, Export, Finished, Raster, Writer, node_link, writer_named
 from vdoor.export.geometry import line_m
 from vdoor.export.reading import _radians
 from vdoor.grid import FREE, OCCUPIED, OccupancyGrid
@@ -281,7 +283,8 @@ def test_rooms_that_are_not_there_are_refused(to: str) -> None:
 @example
 def test_rmf_lanes_through_a_door_name_it_and_no_others_do(name: str) -> None:
     graph = rmf_loader.load(text(finished.topology(name), "rmf"))
-    assert len(graph.lanes) == 6 * len(graph.doors)
+    bends = sum("_bend_" in name for name in graph.names)
+    assert len(graph.lanes) == 6 * len(graph.doors) + 2 * bends
     assert {(end, start, door) for start, end, door in graph.lanes} == set(graph.lanes)
     for start, end, door in graph.lanes:
         lane = shapely.LineString([graph.places[start], graph.places[end]])
@@ -295,8 +298,19 @@ def test_rmf_waypoints_are_in_their_rooms(name: str) -> None:
     topology = finished.topology(name)
     graph = rmf_loader.load(text(topology, "rmf"))
     cells = np.rint(topology.frame.cell_from_world(np.array(graph.places))).astype(int)
-    rooms = [int(waypoint.rpartition("_")[2]) for waypoint in graph.names]
+    rooms = [int(waypoint.split("room_")[1].split("_")[0]) for waypoint in graph.names]
     assert topology.labels[tuple(cells.T)].tolist() == rooms
+
+
+@pytest.mark.parametrize("writer", [writer for writer in WRITERS if not writer.image], ids=lambda writer: writer.name)
+@pytest.mark.parametrize("field", ["area_m2", "start_m", "width_m", "vertex_m", "feature_m"])
+@pytest.mark.parametrize("number", [math.nan, math.inf])
+def test_numbers_that_are_not_finite_are_refused(writer: Writer, field: str, number: float) -> None:
+    topology = finished.topology("flat")
+    values = getattr(topology, field).copy()
+    values.flat[0] = number
+    with pytest.raises(VdoorError, match=f"wanted finite numbers, found {number} in {field}"):
+        writer.write(dataclasses.replace(topology, **{field: values}))
 
 
 @example

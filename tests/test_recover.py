@@ -22,6 +22,7 @@ from vdoor.recording import about
 from vdoor.recording.check import check
 from vdoor.recording.mcap import read_recording, scan, step_of, unpacked
 from vdoor.recording.recover import Recovery, recover
+from vdoor.recording.salvage import SIZE_AT
 
 HERE = Path(__file__).parent
 VDOOR = Path(sys.executable).parent / "vdoor"
@@ -79,6 +80,17 @@ def test_of_300_flipped_bits_each_costs_at_most_the_stage_it_is_in(tmp_path: Pat
         _, back = recovered(path)
         hit: set[int] = set().union(*(inside for begin, end, inside in chunks if begin <= at < end))
         assert steps - back.keys() <= hit, at
+
+
+def test_a_chunk_that_claims_too_much_swallows_none_that_follow(tmp_path: Path) -> None:
+    path = small(tmp_path / "small.mcap")
+    whole, (begin, _, inside) = path.read_bytes(), spans(path)[6]
+    steps = set(range(len(small_run()[1])))
+    for bit in range(16):
+        damaged = bytearray(whole)
+        damaged[begin + SIZE_AT + bit // 8] ^= 1 << bit % 8
+        path.write_bytes(damaged)
+        assert steps - recovered(path)[1].keys() <= inside, bit
 
 
 def test_two_damaged_places_cost_two_stages_and_bits_between_records_none(tmp_path: Path) -> None:

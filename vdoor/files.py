@@ -52,23 +52,28 @@ def refuse_folder(path: Path) -> None:
         raise VdoorError(f"output folder: wanted a folder to write in, found {found}: {there}")
 
 
-def refuse_existing(paths: Iterable[Path], *, force: bool, reads: Path | None = None) -> None:
+def refuse_existing(
+    paths: Iterable[Path], *, force: bool, reads: Iterable[Path] = (), recovers: Path | None = None
+) -> None:
     """VdoorError naming the first of `paths`, or of their partial names, that exists, unless `force`.
 
-    A partial file is what an interrupted run could save; where it is what the command `reads`, it may stand there.
-    Folders, devices and pipes are refused always, since a file that is renamed takes their place; and so are two
-    outputs of one name, or of which one is the other's partial file.
+    What the command `reads` is refused always, as are folders, devices and pipes, since a file that is renamed takes
+    their place; and so are two outputs of one name, or of which one is the other's partial file. A partial file is
+    what an interrupted run could save; where it is what the command `recovers`, it may stand there.
     """
     seen: set[Path] = set()
+    paths = list(paths)
     for path in paths:
         if not path.name:
             raise VdoorError(f"output: wanted a file name, found a folder: {path}")
         for name in (path, partial_name(path)):
-            refuse_place(name, force=force or (name != path and name == reads))
+            refuse_place(name, force=force or (name != path and name == recovers))
             place = name.parent.resolve() / name.name
             if place in seen:
                 raise VdoorError(f"output: wanted another name for each file, found one twice: {name}")
             seen.add(place)
+    for read in reads:
+        refuse_input(read, paths)
 
 
 def refuse_place(name: Path, *, force: bool) -> None:
@@ -86,7 +91,8 @@ def refuse_place(name: Path, *, force: bool) -> None:
 
 
 def refuse_input(read: Path, written: Iterable[Path]) -> None:
-    """VdoorError where a file that is read would be overwritten, whatever is forced."""
+    """VdoorError where a file that is read would be overwritten by one that is written, or by its partial file."""
     for path in written:
-        if path.resolve() == read.resolve():
-            raise VdoorError(f"output: wanted another name than the input's: {path}")
+        for name in (path, partial_name(path)):
+            if name.resolve() == read.resolve():
+                raise VdoorError(f"output: wanted another name than the input's: {name}")

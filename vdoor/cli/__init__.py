@@ -8,7 +8,21 @@ from typing import Annotated
 import typer
 
 from vdoor import __version__
-from vdoor.cli import evaluate, export, recordings, rooms, run, studies, terminal, training, trials, viewing
+from vdoor.cli import (
+    edits,
+    evaluate,
+    export,
+    paper,
+    recordings,
+    rooms,
+    run,
+    studies,
+    sweeps,
+    terminal,
+    training,
+    trials,
+    viewing,
+)
 from vdoor.errors import VdoorError
 from vdoor.say import say
 
@@ -37,17 +51,23 @@ COMMANDS = (
     ("export", export.export, "vdoor export result/ --to nav2-route -o route.geojson"),
     ("rooms", rooms.rooms, "vdoor rooms result/"),
     ("room-at", rooms.room_at, "vdoor room-at 3.2,-4.1 out.mcap"),
+    ("rename", edits.rename, "vdoor rename result/ 3 Kitchen"),
+    ("split", edits.split, "vdoor split result/ 1.2,3.4 1.2,8.0"),
+    ("merge", edits.merge, "vdoor merge result/ 2 5"),
+    ("door", edits.door, "vdoor door add result/ 4.9,6.1 4.9,7.1; vdoor door remove result/ 3"),
     ("golden", recordings.golden, "vdoor golden recordings/golden"),
     ("evaluate", evaluate.evaluate, "vdoor evaluate result/ --reference truth.png --min door_f1=0.9 --save seen.rrd"),
     ("ablate", trials.ablate, "vdoor ablate maps/ --reference truth/ --exclude furnished --model my_curves.json"),
     ("robust", trials.robust, "vdoor robust maps/ --reference truth/ --bare-map maps/ --free-from 250 --json"),
+    ("sweep", sweeps.sweep, "vdoor sweep --png all.png; vdoor sweep doors.max_length_m=0.6..2:0.2 seed=0..9 --json"),
     ("synth", studies.synth, "vdoor synth maps/flat --kind paper --seed 3 --set furniture=true"),
     ("train", training.train, "vdoor train -o curves.json; vdoor run map.pgm --set score.model=curves.json"),
     ("bench", studies.bench, "vdoor bench --tile 4"),
+    ("paper", paper.paper, "vdoor paper --apartments 20; vdoor paper --out recordings/paper --rrd --force"),
     ("search-study", studies.search_study, "vdoor search-study --graphs 60 --seeds 50"),
 )
 """Name, function, example."""
-CONTEXTS = {"room-at": {"ignore_unknown_options": True}}
+CONTEXTS = {name: {"ignore_unknown_options": True} for name in ("room-at", "rename", "split", "merge", "door")}
 """A place may begin with a minus, and is no option for that."""
 
 for name, function, example in COMMANDS:

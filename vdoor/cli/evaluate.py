@@ -48,7 +48,8 @@ def evaluate(
 
     if free_from is not None and map_ is None:
         raise SettingError("--free-from: wanted --map beside it, found none")
-    refuse_existing([save] if save else [], force=force)
+    given = [path for path in (result, reference, map_, bare_map) if path]
+    refuse_existing([save] if save else [], force=force, reads=given)
     cases = matched(result, reference)
     maps = MapChoice(path=map_, resolution_m=resolution, free_from=free_from)
     with _notes_said(quiet=quiet):

@@ -39,13 +39,11 @@ def verify(
     as_json: Json = False,
 ) -> None:
     """Run recordings again from their own contents: 0 if all is equal, 1 if not, 2 if one cannot be read."""
-    from vdoor.files import refuse_existing, refuse_input, write_whole
+    from vdoor.files import refuse_existing, write_whole
     from vdoor.recording import report
 
-    refuse_existing([path for path in (junit, save) if path], force=force)
     files = list(_files(recordings))
-    for path in files:
-        refuse_input(path, [output for output in (junit, save) if output])
+    refuse_existing([path for path in (junit, save) if path], force=force, reads=files)
     if save and len(files) > 1:
         raise SettingError(f"--save: wanted one recording to draw, found {len(files)}")
     results = [_verified(path, max_cells, save) for path in files]
@@ -64,16 +62,14 @@ def diff(
     as_json: Json = False,
 ) -> None:
     """Compare two recordings, settings first, then stage by stage: 0 if all is equal, 1 if not."""
-    from vdoor.files import refuse_existing, refuse_input
+    from vdoor.files import refuse_existing
     from vdoor.pipeline import RECORDS
     from vdoor.recording import report
     from vdoor.recording.diff import compare, runs_that_differ
     from vdoor.recording.mcap import read_recording
     from vdoor.recording.printable import printable
 
-    refuse_existing([save] if save else [], force=force)
-    for path in (one, other):
-        refuse_input(path, [save] if save else [])
+    refuse_existing([save] if save else [], force=force, reads=[one, other])
     runs = [read_recording(path, types=RECORDS) for path in (one, other)]
     settings = runs_that_differ(runs[0].info, runs[1].info)
     with _drawn(save, runs[0].info) as listen:
@@ -137,7 +133,7 @@ def recover(
     from vdoor.recording.printable import printable
     from vdoor.recording.recover import recover as recovered
 
-    refuse_existing([out], force=force, reads=broken)
+    refuse_existing([out], force=force, recovers=broken)
     found = recovered(broken, out, types=RECORDS, emits=emitted)
     if as_json:
         print(report.to_json(found))
@@ -174,7 +170,8 @@ def _files(paths: list[Path]) -> Iterator[Path]:
 
 @contextmanager
 def _drawn(save: Path | None, run: RunInfo) -> Iterator[Listener]:
-    """Something that draws each pair of records into `save`, which is whole at the end, or nothing."""
+    """Something that draws each pair of records into `save`, which is whole at the end or not there; or nothing."""
+    from vdoor.outputs import interruptible
     from vdoor.recording.diff import ignore
 
     if save is None:
@@ -182,9 +179,14 @@ def _drawn(save: Path | None, run: RunInfo) -> Iterator[Listener]:
         return
     from vdoor.viz.rerun.difference import DifferenceSink
 
-    sink = DifferenceSink(save, run, limit_deg=run.settings.get("candidates", {}).get("angle_deg", 155.0))
-    yield sink
-    sink.close()
+    with interruptible():
+        sink = DifferenceSink(save, run, limit_deg=run.settings.get("candidates", {}).get("angle_deg", 155.0))
+        try:
+            yield sink
+            sink.close()
+        except BaseException:
+            sink.abandon()
+            raise
 
 
 def _verified(path: Path, max_cells: int, save: Path | None) -> Result:

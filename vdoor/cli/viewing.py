@@ -34,14 +34,13 @@ def replay(
     force: Force = False,
 ) -> None:
     """Draw a recording again, as the run did when it was made."""
-    from vdoor.files import refuse_existing, refuse_input
+    from vdoor.files import refuse_existing
     from vdoor.outputs import Outputs
 
     outputs = Outputs(save=save, connect=connect, serve=serve, spawn=spawn)
     if not (save or connect or serve or spawn):
         raise SettingError("replay: wanted somewhere to draw, one of --save, --connect, --serve, --spawn")
-    refuse_existing(outputs.files, force=force)
-    refuse_input(recording, outputs.files)
+    refuse_existing(outputs.files, force=force, reads=[recording])
     records = _draw(recording, outputs, pause_s=STEP_S / speed if speed else 0.0)
     print(f"{records} records drawn")
 
@@ -75,6 +74,7 @@ def shot(
 
 def view(recording: AnyRecording) -> None:
     """Open a recording in the Rerun viewer."""
+    _refuse_unreadable(recording)
     if not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY") or sys.platform in ("darwin", "win32")):
         raise VdoorError(
             "view: this machine has no screen; take pictures with `vdoor shot`, or run `vdoor replay REC.mcap --serve` "
@@ -108,9 +108,8 @@ def _draw(path: Path, outputs: object, *, pause_s: float = 0.0) -> int:
 @contextmanager
 def _as_rrd(path: Path) -> Iterator[Path]:
     """The recording as an .rrd, drawn into a scratch folder if it is an .mcap."""
-    if not path.is_file():
-        raise VdoorError(f"recording: wanted an .rrd or .mcap file, found none: {path}")
-    if path.name.removesuffix(".partial").endswith(".rrd"):
+    _refuse_unreadable(path)
+    if _is_rrd(path):
         yield path
         return
     from vdoor.outputs import Outputs
@@ -119,6 +118,26 @@ def _as_rrd(path: Path) -> Iterator[Path]:
         drawn = Path(folder) / f"{path.name.split('.')[0]}.rrd"
         _draw(path, Outputs(save=drawn))
         yield drawn
+
+
+def _is_rrd(path: Path) -> bool:
+    return path.name.removesuffix(".partial").endswith(".rrd")
+
+
+def _refuse_unreadable(path: Path) -> None:
+    """VdoorError where there is no recording, or none that can be drawn: a viewer would wait for it."""
+    if not path.is_file():
+        found = "none" if not path.exists() else "a folder" if path.is_dir() else "a device or pipe"
+        raise VdoorError(f"recording: wanted an .rrd or .mcap file, found {found}: {path}")
+    if _is_rrd(path):
+        from vdoor.viz.rerun.readable import refuse_unreadable
+
+        refuse_unreadable(path)
+        return
+    from vdoor.pipeline import RECORDS
+    from vdoor.recording.mcap import read_recording
+
+    read_recording(path, types=RECORDS)
 
 
 def _file_name(tab: str) -> str:

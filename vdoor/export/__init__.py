@@ -25,7 +25,7 @@ from vdoor.export.report import to_report
 from vdoor.export.rmf import to_rmf
 from vdoor.export.svg import to_svg
 from vdoor.export.virtual_walls import to_virtual_walls
-from vdoor.files import partial_name, refuse_existing, refuse_input, write_whole
+from vdoor.files import refuse_existing, write_whole
 from vdoor.topology import TopologicalMap
 
 __all__ = [
@@ -148,10 +148,7 @@ class Export:
 
 def refuse_files(exports: Iterable[Export], *, force: bool, read: Iterable[Path] = ()) -> None:
     """Raise `VdoorError` where an export would overwrite something without `force`, or, ever, what is `read`."""
-    files = [path for export in exports for path in export.files]
-    refuse_existing(files, force=force)
-    for path in read:
-        refuse_input(path, [*files, *map(partial_name, files)])
+    refuse_existing((path for export in exports for path in export.files), force=force, reads=read)
 
 
 def save(

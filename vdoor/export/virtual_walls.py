@@ -8,6 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from vdoor.export.chosen import check_rooms
+from vdoor.export.finite import refuse_not_finite
 from vdoor.export.geometry import Point, line_m
 from vdoor.topology import Door, TopologicalMap
 
@@ -24,6 +25,7 @@ def to_virtual_walls(topology: TopologicalMap, rooms: Sequence[int] = (), *, own
 
     Raises `SettingError` for a room that is not there.
     """
+    refuse_not_finite(topology)
     check_rooms(topology, rooms)
     origin_cm = own_origin_cm or (0.0, topology.frame.height * topology.frame.resolution_m * CM_PER_M)
     shut = [door for door in topology.doors if not rooms or len(set(door.rooms) & set(rooms)) == 1]

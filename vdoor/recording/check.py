@@ -12,7 +12,7 @@ from vdoor.emit import RunInfo
 from vdoor.errors import RecordingError
 from vdoor.record import Record
 from vdoor.recording.indexes import index_damage
-from vdoor.recording.mcap import read_recording
+from vdoor.recording.mcap import naming, read_recording
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -46,11 +46,8 @@ def check(path: Path, *, types: Sequence[type[Record]], emits: Emits | None = No
 
     Raises `RecordingError` where there is no such file or it cannot be opened.
     """
-    try:
+    with naming(path):
         path.open("rb").close()
-    except OSError as error:
-        msg = f"recording: cannot be read ({error.strerror}): {path}"
-        raise RecordingError(msg) from error
     info: RunInfo | None = None
     steps: list[tuple[int, str]] = []
     damage: list[str] = []

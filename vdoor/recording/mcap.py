@@ -9,6 +9,7 @@ import contextlib
 import dataclasses
 import io
 import os
+import stat
 import struct
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -318,6 +319,7 @@ def naming(path: Path) -> Iterator[None]:
     from mcap.exceptions import EndOfFile, InvalidMagic, McapError  # noqa: PLC0415
 
     try:
+        _refuse_pipe(path)
         yield
     except RecordingError as error:
         msg = f"{printable(str(error))}: {path}"
@@ -334,6 +336,14 @@ def naming(path: Path) -> Iterator[None]:
     except (McapError, zstandard.ZstdError, ValueError, OverflowError, MemoryError) as error:
         msg = f"recording: damaged ({printable(str(error))}): {path}"
         raise RecordingError(msg) from error
+
+
+def _refuse_pipe(path: Path) -> None:
+    """RecordingError for what is neither file nor folder: to open it may wait for ever."""
+    mode = path.stat().st_mode
+    if not (stat.S_ISREG(mode) or stat.S_ISDIR(mode)):
+        msg = "recording: wanted a file, found a device or pipe"
+        raise RecordingError(msg)
 
 
 @contextlib.contextmanager

@@ -57,7 +57,19 @@ def _chunk(data: mmap.mmap, at: int, path: Path) -> tuple[list[Any] | None, int]
     if end > len(data):
         return None, at
     header = HEADER.pack(CHUNK, end - at - HEADER.size)
-    return _tried(header + data[at + HEADER.size : end], path), end
+    found = _tried(header + data[at + HEADER.size : end], path)
+    if found is not None and end != _end(data, at) and not _fills(data[at + DATA_AT : end]):
+        return None, at
+    return found, end
+
+
+def _fills(packed: bytes) -> bool:
+    """Whether a packed frame takes all of the bytes: to unpack them, what follows is ignored."""
+    import zstandard  # noqa: PLC0415  # only recordings need it
+
+    frame = zstandard.ZstdDecompressor().decompressobj()
+    frame.decompress(packed)
+    return frame.eof and not frame.unused_data
 
 
 def _tried(data: bytes, path: Path) -> list[Any] | None:
