@@ -32,8 +32,6 @@ SKIPPED = {
     "vdoor run --": "names an option, and no map",
 }
 """How commands begin that are not run here, and why."""
-EXITS = {"vdoor room-at 3.2,-4.1 result/": 1}
-"""What tells something by its exit code: the place is outside the example's map."""
 SINKS = ("-o", "--out", "--save", "--mcap", "--export", "--junit")
 """Options whose file the command makes, so that it must not be there before."""
 
@@ -58,6 +56,7 @@ def ready(tmp_path_factory: pytest.TempPathFactory) -> Path:
     shutil.copytree(HOME / "recordings", folder / "recordings")
     for own, name in (("flat.pgm", "flat.pgm"), ("flat.yaml", "map.yaml"), ("flat_truth.png", "truth.png")):
         shutil.copy(HOME / "recordings" / own, folder / name)
+    shutil.copy(folder / "map.yaml", folder / "new.yaml")
     (folder / "goldens").mkdir()
     rows = ("".join(sign * 10 for sign in row) for row in vacuum.rows_of(vacuum.FLAT) for _ in range(10))
     vacuum.write_home(folder / "home.json", vacuum.home("\n".join(rows)))
@@ -66,6 +65,7 @@ def ready(tmp_path_factory: pytest.TempPathFactory) -> Path:
         ("home.json", "--out", "home"),
     ):
         subprocess.run([VDOOR, "run", *words, "--quiet"], cwd=folder, check=True, timeout=120)
+    subprocess.run([VDOOR, "rename", "result", "1", "Hall"], cwd=folder, check=True, timeout=120, capture_output=True)
     for name in ("a.mcap", "b.mcap", "old.mcap", "new.mcap"):
         shutil.copy(folder / "out.mcap", folder / name)
     (folder / "broken.mcap").write_bytes((folder / "out.mcap").read_bytes()[:-5000])
@@ -97,7 +97,7 @@ def test_command_runs(
     for path in made:
         shutil.rmtree(path) if path.is_dir() else path.unlink(missing_ok=True)
     done = recorded.Command(monkeypatch, capsys)(*words)
-    assert done.code == EXITS.get(command, 0), done.err
+    assert done.code == 0, done.err
     assert all(path.exists() for path in made)
 
 
