@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import itertools
 import json
 from pathlib import Path
@@ -11,7 +12,8 @@ import numpy as np
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
-from maps import Cells, law, small_maps
+from maps import Cells, drawn, law, small_maps
+from scipy import ndimage
 
 from vdoor.errors import SettingError
 from vdoor.grid import FREE, OccupancyGrid
@@ -32,7 +34,7 @@ from vdoor.stages.score import JUDGEMENTS, LIKELY, DoorScores, ScoreDoors
 from vdoor.stages.search import Generation
 from vdoor.stages.segments import Segments
 from vdoor.stages.shut import SHUT
-from vdoor.stages.simplify import REASONS, SimplifyGrid
+from vdoor.stages.simplify import REASONS, SimplifyGrid, narrower
 from vdoor.stages.trace import BoundaryPath
 from vdoor.synth import PRESETS as KINDS_OF_MAPS
 from vdoor.synth import Apartment, synthesize
@@ -131,6 +133,15 @@ def test_virtual_doors_turn_and_mirror_with_the_map(kind: str) -> None:
     as_mirrored = {frozenset((row, width - 1 - col) for row, col in ends) for ends in plain}
     for found, wanted in ((turned, as_turned), (mirrored, as_mirrored)):
         assert len(found & wanted) >= 0.97 * len(found | wanted)
+
+
+def test_scores_shift_with_the_map() -> None:
+    """Doors' middles and looks often lie between two cells: which of the two is asked must not hang on where it is."""
+    cells = synthesize(KINDS_OF_MAPS["home"], np.random.default_rng(2)).grid.cells
+    plain, moved = (records_of(grid)[DoorScores] for grid in (cells, np.pad(cells, ((3, 0), (7, 0)), "edge")))
+    np.testing.assert_array_equal(plain.middle + [3, 7], moved.middle)
+    np.testing.assert_allclose(plain.feature, moved.feature, rtol=0, atol=1e-9)
+    np.testing.assert_array_equal(plain.sure, moved.sure)
 
 
 @pytest.mark.parametrize("degrees", [0.0, 7.0, 20.0, 40.0])
@@ -273,6 +284,23 @@ def test_the_search_never_gets_worse_and_keeps_no_rivals() -> None:
     assert not (kept[problem.rivals[0]] & kept[problem.rivals[1]]).any()
 
 
+def test_where_nothing_was_scored_doors_that_part_rooms_gain_the_bias_alone() -> None:
+    initial = records_of(two_rooms())[InitialMap]
+    problem = MergeProblem(initial, DoorEnergy(bias=0.25))
+    (cost,) = problem.evaluate(np.zeros((1, problem.edges), np.bool_)).cost
+    assert problem.edges > 0
+    assert cost == FlipState(problem).cost == -0.25 * problem.edges
+
+
+def test_with_one_look_no_door_is_shut_and_both_looks_see_the_same() -> None:
+    scores = records_of(corridor_with_rooms(), dataclasses.replace(DEFAULT, score=ScoreDoors(sure_log_odds=100)))[
+        DoorScores
+    ]
+    assert not scores.sure.any()
+    value = {name: scores.feature[:, at] for at, name in enumerate(FEATURES)}
+    assert all((value[name] == value[name.removeprefix("shut_")]).all() for name in SHUT)
+
+
 def test_a_small_room_costs_what_it_lacks() -> None:
     energy = DoorEnergy()
     problem = problem_of(two_rooms(side=24))  # rooms of 1.44 m2
@@ -304,6 +332,13 @@ def test_a_file_without_curves_is_refused(tmp_path: Path, text: str) -> None:
         model_named(str(path))
     with pytest.raises(SettingError, match=r"score\.model"):
         model_named(str(tmp_path / "none.json"))
+
+
+def test_a_file_of_one_look_says_what_it_lacks(tmp_path: Path) -> None:
+    path = tmp_path / "curves.json"
+    path.write_text(json.dumps({**table_of(model_named("shipped"))["last"], "made": {}}))
+    with pytest.raises(SettingError, match="found none called 'first'"):
+        model_named(str(path))
 
 
 @pytest.mark.parametrize(
@@ -357,6 +392,30 @@ def test_slits_are_closed_and_say_so() -> None:
     assert (apart.reason[2:58, 2:40] == REASONS.index("unreachable")).all()
     narrow = SimplifyGrid(cell_m=0.0, slit_m=1.0)(OccupancyGrid.from_array(cells[28:34, 38:46], CELL_M))
     assert (narrow.cells == FREE).any()  # all of it is a slit: nothing is closed
+
+
+@law
+@given(small_maps(), st.integers(1, 6))
+def test_narrow_is_what_an_opening_takes_away_however_the_map_lies(cells: Cells, thick: int) -> None:
+    free = cells == FREE
+    found = narrower(free, thick)
+    side = thick + 1
+    opened = ndimage.binary_opening(np.pad(free, side), np.ones((side, side), np.bool_))
+    assert (found == free & ~opened[side:-side, side:-side]).all()
+    assert (np.rot90(found) == narrower(np.rot90(free), thick)).all()
+    assert (found[:, ::-1] == narrower(free[:, ::-1], thick)).all()
+
+
+@law
+@given(small_maps(), st.sampled_from([0.01, 0.02, 0.3]))
+def test_no_look_leaves_the_map_however_small_its_cells(cells: Cells, cell_m: float) -> None:
+    assume((cells == FREE).any())
+    assert len(run(OccupancyGrid.from_array(cells, cell_m), "default").rooms) >= 1
+
+
+def test_a_wall_at_the_edge_of_a_fine_map_leads_nowhere() -> None:
+    result = run(drawn("##. ... ...", cell_m=0.01), "default")
+    assert (len(result.rooms), len(result.doors)) == (1, 0)
 
 
 def test_shut_rooms_are_kept_and_hollow_furniture_is_not() -> None:

@@ -121,17 +121,20 @@ def test_edit_that_is_done_already_is_not_kept(result: Path, command: recorded.C
     ("words", "says"),
     [
         (("rename", "R", "9", "Hall"), "one of 1, 2, 3, 4, 5, found 9"),
-        (("rename", "R", "Den", "Hall"), "wanted X,Y, found 'Den'"),
+        (("rename", "R", "Den", "Hall"), "room: wanted a room's id, its name or X,Y, found 'Den'"),
+        (("rename", "R", "0000000001", "Hall"), "X,Y, found '0000000001'"),
         (("rename", "R", "-90,1", "Hall"), "none at -90,1"),
         (("rename", "R", "1", ""), "1 to 100 characters"),
         (("rename", "R", "1", "a\nb"), "in a line"),
         (("merge", "R", "1", "4"), "rooms do not touch"),
+        (("merge", "R", "1", at(1)), "wanted two rooms, found room 1 twice"),
         (("split", "R", "-9,1", "-9,2"), "no room there"),
         (("split", "R", "1", "1,2"), "wanted X,Y, found '1'"),
         (("door", "add", "R", "2,2", "2.1,2.1"), "parts nothing"),
         (("door", "add", "R", "2,2"), "wanted X,Y X,Y"),
         (("door", "remove", "R", "9"), "4 doors, found 9"),
         (("door", "remove", "R", "2,2"), "no door there"),
+        (("door", "remove", "R", "Den"), "door: wanted a door's id or X,Y, found 'Den'"),
         (("door", "open", "R", "1"), "wanted add or remove, found 'open'"),
         (("rename", "NONE", "1", "A"), "cannot be read"),
     ],
@@ -144,6 +147,16 @@ def test_edit_that_cannot_be_done_is_one_line_and_2(
     assert (done.code, done.out) == (2, "")
     (line,) = done.err.splitlines()
     assert says in line
+    assert {path.name: path.read_bytes() for path in result.iterdir()} == before
+
+
+def test_edit_that_cannot_be_written_leaves_all_files_as_they_were(result: Path, command: recorded.Command) -> None:
+    # Python reads NaN in JSON, also where no command looks at it, but JSON does not have it.
+    text = (result / "map.json").read_text()
+    (result / "map.json").write_text(text.replace('"seed": 0', '"seed": NaN'))
+    before = {path.name: path.read_bytes() for path in result.iterdir()}
+    done = command("merge", result, "1", "2")
+    assert (done.code, done.err) == (2, f"vdoor: map.json: wanted finite numbers, found others: {result}\n")
     assert {path.name: path.read_bytes() for path in result.iterdir()} == before
 
 

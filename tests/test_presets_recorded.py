@@ -23,6 +23,7 @@ from vdoor.pipeline import METHODS, PRESETS, RECORDS, Pipeline, emitted
 from vdoor.pipeline import recorded as pipeline_of
 from vdoor.recording.check import check
 from vdoor.recording.mcap import McapSink, read_recording
+from vdoor.stages.rooms import InitialMap
 from vdoor.viz.rerun.blueprint import TABS, tabs_of
 from vdoor.viz.rerun.shot import NO_RENDERER, shots
 from vdoor.viz.rerun.style import DOUBTFUL, SURE, odds
@@ -152,11 +153,26 @@ def test_an_edge_without_a_score_is_refused(two_rooms: Path, tmp_path: Path) -> 
     assert "initial_map.door: wanted doors that have scores, found others" in error
 
 
+@pytest.mark.parametrize("lost", [0, -1])
+def test_an_edge_that_borders_nothing_is_refused(two_rooms: Path, tmp_path: Path, lost: int) -> None:
+    recording = read_recording(two_rooms, types=RECORDS)
+    sink = McapSink(tmp_path / "unfit.mcap", recording.info)
+    for step, record in recording:
+        if isinstance(record, InitialMap):
+            border_edge = record.border_edge.copy()
+            border_edge[border_edge == border_edge[lost]] = 1
+            record = dataclasses.replace(record, border_edge=border_edge)  # noqa: PLW2901  # the same but for that
+        sink.write(step, record)
+    sink.close()
+    error = called("show", tmp_path / "unfit.mcap", code=2).stderr
+    assert "initial_map.border_edge: wanted each edge, in order, found others" in error
+
+
 def test_scores_and_certificate_are_one_line_each(two_rooms: Path) -> None:
     run = history(two_rooms)
     lines = called("show", two_rooms).stdout.splitlines()
     (score,) = [line for line in lines if " door_scores " in line]
-    judged = r"5 likely, 0 unlikely, 0 outdone; 2 pairs of rivals; map (\d+) % rough"
+    judged = r"5 likely, 0 unlikely, 0 outdone; 2 pairs of rivals; 1 shut for the second look; map (\d+) % rough"
     (rough,) = re.findall(judged, score)
     assert int(rough) == round(100 * run.scores.share_rough)
     (proof,) = [line for line in lines if " certificate " in line]

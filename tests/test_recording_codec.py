@@ -17,7 +17,10 @@ from vdoor.errors import RecordingError
 from vdoor.grid import OccupancyGrid
 from vdoor.record import Frame, Record, equal, specs
 from vdoor.recording import codec, ros
+from vdoor.recording.columns import told
 from vdoor.stages.corners import Corners
+from vdoor.stages.features import FEATURES
+from vdoor.stages.score import DoorScores
 from vdoor.stages.search import Generation
 from vdoor.stages.simplify import SimplifiedGrid
 from vdoor.topology import TopologicalMap
@@ -145,13 +148,23 @@ def test_columns_that_are_not_the_records_are_refused_by_name() -> None:
     assert "Corners.corner.angle_rad: wanted FLOAT64" in refused(corners, "corner", fields=other)
 
 
+def test_many_entries_of_one_column_are_told_by_the_first_and_the_last() -> None:
+    names = ["x", "middle_0", "middle_1", *(f"feature_{k}" for k in range(39)), "rival_a", "a1", "a2", "a3", "a4", "a5"]
+    assert told(names) == "x, middle_0, middle_1, feature_0 to feature_38, rival_a, a1, a2, a3, a4, a5"
+    scores = random_record(DoorScores, np.random.default_rng(0), sizes={"scored": 2})
+    fields = [field for field in unpacked(scores, "scored").fields if field.name != "feature_39"]
+    said = refused(scores, "scored", fields=fields)
+    assert "wanted a column feature_39, found x, y, z, " in said
+    assert f"feature_0 to feature_38, feature_40 to feature_{len(FEATURES) - 1}, sure" in said
+
+
 def test_values_that_no_stage_gives_are_refused() -> None:
     assert "OccupancyGrid.cells: wanted values to 100, found 101" in refused(
         GRID, "cells", data=np.array([101, 0, 0, 0, 0, 0], np.int8)
     )
     simplified = random_record(SimplifiedGrid, np.random.default_rng(0), sizes={"height": 1, "width": 1})
-    assert "SimplifiedGrid.reason: wanted values to 5, found 6" in refused(
-        simplified, "reason", data=np.array([6], np.uint8)
+    assert "SimplifiedGrid.reason: wanted values to 6, found 7" in refused(
+        simplified, "reason", data=np.array([7], np.uint8)
     )
     assert "wanted 8UC1 little endian, found 'rgb8'" in refused(simplified, "reason", encoding="rgb8")
     generation = random_record(Generation, np.random.default_rng(0), sizes={"edge": 1})

@@ -420,8 +420,11 @@ def test_hostile_names_stay_text(window: Browser, tmp_path: Path) -> None:
     source = Source(((HOSTILE, b""),), {})
     story = story_of("flat", preset=HOSTILE, settings={HOSTILE: {HOSTILE: HOSTILE}}, source=source)
     story.write(0, finished.grid("flat"))
+    topology, name = finished.topology("flat"), HOSTILE.replace("\u202e", "")
+    x_m, y_m = topology.room(1).centre_m
+    topology = topology.edited([f"name {x_m:.3f},{y_m:.3f} {name}"])
     path = tmp_path / "hostile.html"
-    path.write_text(to_report(finished.topology("flat"), story), "utf-8")
+    path.write_text(to_report(topology, story), "utf-8")
     window.requests.clear()
     window.problems.clear()
     window.open(path)
@@ -430,6 +433,8 @@ def test_hostile_names_stay_text(window: Browser, tmp_path: Path) -> None:
     assert window.run("document.title").startswith(HOSTILE[:40])
     assert window.run("document.querySelector('h1').textContent") == HOSTILE
     assert HOSTILE in window.run("document.getElementById('setting-table').textContent")
+    assert name in window.run("document.getElementById('room-table').textContent")
+    assert name in window.run("document.getElementById('names').textContent")
     assert window.run("document.querySelectorAll('script').length") == 2
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import io
 import json
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -443,6 +444,7 @@ def test_what_the_method_lacks_is_left_out(command: recorded.Command, tmp_path: 
             ["seed=1", "--png", "no/such/folder/s.png", "--apartments", "1"],
             "output: wanted a folder that is there, found none: no/such/folder",
         ),
+        (["seed=1", "--png", f"{__file__}/s.png"], "output: wanted a folder that is there, found none: "),
     ],
 )
 def test_wrong_input_is_one_line_and_exit_code_2(command: recorded.Command, words: list[str], message: str) -> None:
@@ -450,6 +452,15 @@ def test_wrong_input_is_one_line_and_exit_code_2(command: recorded.Command, word
     assert told.code == 2
     assert not told.out
     assert [line.startswith(f"vdoor: {message}") for line in told.err.splitlines()] == [True]
+
+
+def test_read_only_folder_is_told_before_anything_runs(
+    command: recorded.Command, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setattr(os, "access", lambda *_: False)  # root may write anywhere
+    told = command("sweep", "seed=1", "--apartments", "1", "--save", tmp_path / "s.rrd")
+    assert (told.code, told.out) == (2, "")
+    assert told.err.endswith(f": wanted a folder to write in, found a folder that is read-only: {tmp_path}\n")
 
 
 def test_missing_matplotlib_is_told_before_anything_runs(tmp_path: Path) -> None:

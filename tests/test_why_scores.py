@@ -62,9 +62,11 @@ def test_a_score_is_told_with_the_features_that_speak_for_and_against(two_rooms:
     assert (length.feature, length.value, length.log_odds) == ("length_m", pytest.approx(1.0), pytest.approx(1.0))
     assert contour == Reason(feature="same_contour", value=1.0, log_odds=0.75)
     assert score.reasons_against == ()
+    assert score.sure
     single = score_fate(run, 1)
     assert single is not None
     assert single.log_odds == pytest.approx(BIAS + SINGLE_SAYS)
+    assert not single.sure
     assert [reason.feature for reason in single.reasons_for] == ["pair", "same_contour"]
     (against,) = single.reasons_against
     assert (against.feature, against.log_odds) == ("length_m", -0.25)
@@ -119,6 +121,7 @@ def test_command_tells_scores_as_text_and_json(two_rooms: Path) -> None:
     text = called("why", two_rooms, "--at", "2.1,1.4").stdout
     assert "score: log-odds +2.50 (92 %, -1.25 before any feature), likely (at least -2): the search decides" in text
     assert (
+        "      first look: sure, so it was shut while the other doors were looked at again\n"
         "      for: pair 1.00 says +2.00, length_m 1.00 says +1.00, same_contour 1.00 says +0.75\n"
         "      against: nothing\n" in text
     )

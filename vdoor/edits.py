@@ -19,6 +19,7 @@ lies in no room means the nearest room within half a metre.
 from __future__ import annotations
 
 import json
+import re
 import tomllib
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -108,9 +109,9 @@ def _edit(kind: str, places_m: tuple[Point, ...], word: str) -> Edit:
     if kind == "name":
         return Edit(kind, places_m, name=word.strip())
     if kind == "number":
-        if not (word.isascii() and word.isdigit()):
+        if not re.fullmatch("[0-9]{1,9}", word):
             raise SettingError(f"edit: wanted a room id of 1 to {MOST_ID}, found {word!r}")
-        return Edit(kind, places_m, id=int(word[:9]))
+        return Edit(kind, places_m, id=int(word))
     return Edit(kind, places_m)
 
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import typer
 
@@ -25,6 +26,9 @@ EditsFile = Annotated[
     typer.Option("--edits", metavar="FILE.toml", help="Where edits are kept. Default: edits.toml in the folder."),
 ]
 
+ID = re.compile("[0-9]{1,9}")
+"""More digits are the id of nothing."""
+
 
 def rename(
     result: Result,
@@ -38,8 +42,7 @@ def rename(
 
     desk = _Desk(result, edits)
     _, place = desk.room(room)
-    after = desk.do(Edit("name", (place,), name=name.strip()))
-    found = _there(after, place)
+    after, (found, *_) = desk.do(Edit("name", (place,), name=name.strip()))
     print(f"room {found} is called {after.room(found).name}")
 
 
@@ -48,7 +51,7 @@ def split(result: Result, start: PlaceWord, end: PlaceWord, *, edits: EditsFile 
     from vdoor.edits import Edit
 
     desk = _Desk(result, edits)
-    _say_parts(desk, desk.do(Edit("split", (desk.place(start), desk.place(end)))))
+    _say_parts(desk.do(Edit("split", (desk.place(start), desk.place(end)))))
 
 
 def merge(result: Result, room: RoomWord, other: RoomWord, *, edits: EditsFile = None) -> None:
@@ -57,7 +60,9 @@ def merge(result: Result, room: RoomWord, other: RoomWord, *, edits: EditsFile =
 
     desk = _Desk(result, edits)
     (one, place), (two, beside) = desk.room(room), desk.room(other)
-    after = desk.do(Edit("merge", (place, beside)))
+    if one == two:
+        raise SettingError(f"merge: wanted two rooms, found room {one} twice: {result}")
+    after, _ = desk.do(Edit("merge", (place, beside)))
     print(f"rooms {one} and {two} are room {one} now, {after.room(one).area_m2:.2f} m2")
 
 
@@ -79,13 +84,20 @@ def door(
     desk = _Desk(result, edits)
     if action == "add":
         start, end = (desk.place(text) for text in places)
-        _say_parts(desk, desk.do(Edit("add-door", (start, end))))
+        _say_parts(desk.do(Edit("add-door", (start, end))))
         return
     place = desk.door(places[0])
     before = {room.id for room in desk.topology.rooms}
-    after = desk.do(Edit("remove-door", (place,)))
+    after, (kept, *_) = desk.do(Edit("remove-door", (place,)))
     gone = ", ".join(map(str, sorted(before - set(after.room_ids))))
-    print(f"the door is open: room {_there(after, place)} takes in room {gone}")
+    print(f"the door is open: room {kept} takes in room {gone}")
+
+
+class Done(NamedTuple):
+    """The map after an edit, and the ids of the rooms that it speaks of: largest part of a cut first."""
+
+    topology: TopologicalMap
+    rooms: list[int]
 
 
 class _Desk:
@@ -102,21 +114,21 @@ class _Desk:
         beside = result / EDITS if result.is_dir() else result.with_name(f"{result.stem}.{EDITS}")
         self.file = file or beside
 
-    def place(self, text: str) -> Point:
+    def place(self, text: str, *, what: str = "place", wanted: str = "X,Y") -> Point:
         """Where X,Y is."""
         from vdoor.places import parse_place
 
-        return parse_place(text)
+        return parse_place(text, what=what, wanted=wanted)
 
     def room(self, word: str) -> tuple[int, Point]:
         """A room by its id, its name or a place in it: its id and that place, or its middle."""
         topology = self.topology
-        if word.isascii() and word.isdigit():
-            room = topology.room(int(word[:9]))
+        if ID.fullmatch(word):
+            room = topology.room(int(word))
         elif word in topology.name and word:
             room = topology.room_named(word)
         else:
-            place = self.place(word)
+            place = self.place(word, what="room", wanted="a room's id, its name or X,Y")
             at = topology.room_at(place)
             if at is None:
                 raise SettingError(f"room: wanted a place in a room, found none at {word}: {self.result}")
@@ -125,49 +137,48 @@ class _Desk:
 
     def door(self, word: str) -> Point:
         """Where a door is, by its id or a place."""
-        if not (word.isascii() and word.isdigit()):
-            return self.place(word)
-        door = self.topology.door(int(word[:9]))
+        if not ID.fullmatch(word):
+            return self.place(word, what="door", wanted="a door's id or X,Y")
+        door = self.topology.door(int(word))
         return (door.start_m[0] + door.end_m[0]) / 2, (door.start_m[1] + door.end_m[1]) / 2
 
-    def do(self, edit: Edit) -> TopologicalMap:
+    def do(self, edit: Edit) -> Done:
         """The map after an edit, which is kept; `VdoorError` where it cannot be done on this map."""
-        from vdoor.edits import append_edits, parse, read_edits
-        from vdoor.formats.result import refuse_high_ids, rewrite_result
+        from vdoor.edits import parse
         from vdoor.stages.edit import DONE, NEEDLESS, VERDICTS, EditRooms
 
         edit = parse(str(edit))  # places to the millimetre, as the file has them
         after, told = EditRooms(edits=(str(edit),), taken=self._older.taken)(self.topology)
-        verdict = VERDICTS[told.verdict[0]] if told is not None else NEEDLESS
-        if verdict not in (DONE, NEEDLESS):
-            raise VdoorError(f"{edit}: {verdict}: {self.result}")
+        assert told is not None  # there is an edit to tell of
+        verdict, rooms = VERDICTS[told.verdict[0]], told.touched_room.tolist()
         if verdict == NEEDLESS:
             say(f"note: that is so already: {self.result}")
-            return after
-        if self.result.is_dir():
-            refuse_high_ids(self.result, after)
+        elif verdict != DONE:
+            raise VdoorError(f"{edit}: {verdict}: {self.result}")
+        else:
+            self._keep(edit, after)
+        return Done(after, rooms)
+
+    def _keep(self, edit: Edit, after: TopologicalMap) -> None:
+        """Write the edit behind those that the result was made with, and the map after it into the folder."""
+        from vdoor.edits import append_edits, read_edits
+        from vdoor.files import write_whole
+        from vdoor.formats.result import rewritten
+
         before = list(self._older.edits)
+        lines = [*map(str, before), str(edit)]
+        files = rewritten(self.result, after, lines) if self.result.is_dir() else []
         there = read_edits(self.file) if self.file.exists() else before
         if there != before:
             say(f"note: the result was made with other edits than this file holds: {self.file}")
         append_edits(self.file, [edit] if self.file.exists() else [*before, edit])
-        if self.result.is_dir():
-            rewrite_result(self.result, after, [*map(str, before), str(edit)])
+        for path, content in files:
+            write_whole(path, content)
         say(f"edits are in {self.file}; `vdoor run MAP --edits {self.file}` does them again")
-        return after
 
 
-def _there(topology: TopologicalMap, place: Point) -> int:
-    """Id of the room at a place, or nearest to it."""
-    from vdoor.stages.edit import room_near
-
-    return room_near(topology, place)
-
-
-def _say_parts(desk: _Desk, after: TopologicalMap) -> None:
-    """What rooms there are now that were none before, and what is left of the one they were cut from."""
-    before = {room.id: room.area_m2 for room in desk.topology.rooms}
-    changed = [room for room in after.rooms if before.get(room.id) != room.area_m2]
-    cut = [room.id for room in changed if room.id in before]
-    rooms = " and ".join(f"{room.id} ({room.area_m2:.2f} m2)" for room in changed)
-    print(f"room {cut[0] if cut else '?'} is now rooms {rooms}")
+def _say_parts(done: Done) -> None:
+    """Which rooms there are now where one was cut."""
+    parts = (done.topology.room(number) for number in done.rooms)
+    rooms = " and ".join(f"{room.id} ({room.area_m2:.2f} m2)" for room in parts)
+    print(f"room {done.rooms[0]} is now rooms {rooms}")

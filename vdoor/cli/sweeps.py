@@ -93,13 +93,14 @@ def sweep(
 
 def _refuse_pictures(save: Path | None, png: Path | None, *, force: bool) -> None:
     """VdoorError, before anything runs, where what is drawn could not be written."""
-    from vdoor.files import refuse_existing
+    from vdoor.files import refuse_existing, refuse_folder
 
     files = [path for path in (save, png) if path]
     refuse_existing(files, force=force)
     for path in files:
         if not path.parent.is_dir():
             raise SettingError(f"output: wanted a folder that is there, found none: {path.parent}")
+        refuse_folder(path.parent)
     if png is not None:
         from vdoor.viz.matplot import require_matplotlib
 

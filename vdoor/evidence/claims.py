@@ -13,7 +13,8 @@ from vdoor.evidence.table_one import Row
 LEAST_FOUND, LEAST_ACCURACY = 0.98, 0.95
 LEAST_HITS = 0.9
 STAND_INS = tuple(name for name in METHODS if name != PROPOSED)
-FURNISHED = ("empty", "furnished")
+KINDS = ("empty", "furnished")
+"""Of maps: without furniture and with it."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -31,7 +32,7 @@ def claims(evidence: Evidence) -> tuple[Claim, ...]:
     return (
         *_of_walk(evidence),
         *_of_searches(evidence),
-        *(claim for rows, kind in zip(evidence.table_1, FURNISHED, strict=True) for claim in _of_cases(rows, kind)),
+        *(claim for rows, kind in zip(evidence.table_1, KINDS, strict=True) for claim in _of_cases(rows, kind)),
         _together(evidence.table_1[1]),
         *(claim for study in evidence.studies for claim in _of_study(study)),
     )
@@ -95,8 +96,9 @@ def _together(rows: Iterable[Row]) -> Claim:
 
 def _of_study(study: Study) -> Iterator[Claim]:
     ours = study.doors[PROPOSED]
+    accuracy = ours.accuracy.value
     best = max(study.doors[name].accuracy.value for name in STAND_INS)
-    where = f"{len(study.each)} {FURNISHED[study.furniture]} apartments"
+    where = f"{len(study.each)} {KINDS[study.furniture]} apartments"
     yield Claim(
         what=f"{where}: matched / real",
         wanted=f"at least {LEAST_FOUND:.2f}",
@@ -106,6 +108,6 @@ def _of_study(study: Study) -> Iterator[Claim]:
     yield Claim(
         what=f"{where}: matched / virtual, against both stand-ins",
         wanted=f"at least {LEAST_ACCURACY:.2f}, {'above' if best < 1 else 'not below'} {best:.3f}",
-        found=f"{ours.accuracy.value:.3f}",
-        holds=ours.accuracy.value >= LEAST_ACCURACY and (ours.accuracy.value > best or best == 1),
+        found=f"{accuracy:.3f}",
+        holds=accuracy >= LEAST_ACCURACY and (accuracy > best or accuracy == best == 1),
     )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from vdoor.evidence.claims import FURNISHED
+from vdoor.evidence.claims import KINDS
 from vdoor.evidence.doors_counted import CALLED, ISLANDS_UP_TO_M, PROPOSED, DoorCount
 from vdoor.evidence.everything import Evidence
 from vdoor.evidence.table import Table, with_interval
@@ -33,7 +33,7 @@ def table_1(rows: Iterable[Row], kind: str) -> Table:
             *(f"{CALLED[name]}, here" for name in rows[0].found),
         ),
         rows=(*cells, total),
-        notes=(ISLANDS,) if kind == FURNISHED[1] else (),
+        notes=(ISLANDS,) if kind == KINDS[1] else (),
     )  # fmt: skip
 
 
@@ -53,7 +53,7 @@ def apartments_table(evidence: Evidence) -> Table:
             complete = study.complete[name]
             rows.append(
                 (
-                    FURNISHED[study.furniture],
+                    KINDS[study.furniture],
                     CALLED[name],
                     str(count.real),
                     str(count.virtual),

@@ -133,8 +133,7 @@ def counted(made: SyntheticMap, method: Any, *, seed: int = 0) -> DoorCount:
 def detected(made: SyntheticMap, method: Any, *, seed: int = 0) -> Detection:
     """Doors of one map by one method just as it is, those at the same place as pairs."""
     found = method(made.grid, np.random.default_rng(seed))
-    real = np.array([(door.start_m, door.end_m) for door in made.doors], np.float64).reshape(-1, 2, 2)
-    virtual = lines_m(found)
+    real, virtual = real_lines_m(made), lines_m(found)
     rows, columns = nearest_pairs(real.mean(axis=1), virtual.mean(axis=1), MATCHED_WITHIN_M)
     return Detection(real, virtual, tuple(zip(rows.tolist(), columns.tolist(), strict=True)))
 
@@ -150,8 +149,12 @@ def is_furnished(made: SyntheticMap) -> bool:
     return bool(getattr(made.settings, "furniture", False))
 
 
+def real_lines_m(made: SyntheticMap) -> Lines:
+    """Ends (k, 2, 2) of the true doors as x, y."""
+    return np.array([(door.start_m, door.end_m) for door in made.doors], np.float64).reshape(-1, 2, 2)
+
+
 def lines_m(found: TopologicalMap) -> Lines:
-    """Ends (k, 2, 2) of each door as x, y, of one that borders more than two rooms once, sorted by their middles."""
-    ends = np.stack([found.start_m, found.end_m], axis=1)
-    _, first = np.unique(ends.mean(axis=1).round(9), axis=0, return_index=True)
-    return np.asarray(ends[first])
+    """Ends (k, 2, 2) of each door as x, y, of one that borders more than two rooms once, in order."""
+    ends = np.concatenate([found.start_m, found.end_m], axis=1).round(9)
+    return np.asarray(np.unique(ends, axis=0).reshape(-1, 2, 2))

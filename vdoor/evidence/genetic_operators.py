@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import dataclasses
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,10 +12,11 @@ from vdoor.stages.search import GeneticSearch
 
 Bits = NDArray[np.bool_]
 
-EXCHANGED = (0, 1, 7)
-"""Which bits the figure's parents exchange: the first two and the last, of eight here."""
-STRING = "0001011000"
-MUTATED = "1001010000"
+CROSSED = 7
+EXCHANGED = (0, 1, 6)
+"""How long the figure's parents are with one bit for the dots, and which bits they exchange: two and the last."""
+STRING = "00010110000"
+MUTATED = "10010100000"
 """The figure's string and its result, with one bit for the dots."""
 MOST_SEEDS = 1_000_000
 
@@ -42,55 +43,55 @@ class Rates:
     to_kept: float
     """and of the 1s, how many become 0."""
     bits: int
-    """How many bits each share is of, at least."""
+    """How many bits each share is of."""
 
 
 def crossover() -> Operation:
     """Two parents of unlike bits exchange those that the figure's parents do; neither mutates."""
     search = GeneticSearch(mutate_to_removed=0.0, mutate_to_kept=0.0)
-    parents = np.stack([np.zeros(8, np.bool_), np.ones(8, np.bool_)])
-    wanted = parents.copy()
-    wanted[:, list(EXCHANGED)] ^= True
-    seed, offspring = _first(search, parents, lambda found: {*_texts(found)} == {*_texts(wanted)})
-    # children come in the order in which their parents were drawn
-    in_order = offspring if (offspring == wanted).all() else offspring[::-1]
-    return Operation(before=_texts(parents), after=_texts(in_order), changed=EXCHANGED, seed=seed)
+    before = _unlike(CROSSED)
+    after = before.copy()
+    after[:, list(EXCHANGED)] ^= True
+    return Operation(before=_texts(before), after=_texts(after), changed=EXCHANGED, seed=_first(search, before, after))
 
 
 def mutation() -> Operation:
     """The figure's string becomes its result, by the printed rates and without crossover."""
     search = GeneticSearch(crossover=0.0)
     before, after = (np.array([[bit == "1" for bit in text]]) for text in (STRING, MUTATED))
-    seed, offspring = _first(search, before, lambda found: bool((found == after).all()))
     changed = np.flatnonzero(before[0] ^ after[0]).tolist()
-    return Operation(before=_texts(before), after=_texts(offspring), changed=tuple(changed), seed=seed)
+    seed = _first(search, before, after)
+    return Operation(before=_texts(before), after=_texts(after), changed=tuple(changed), seed=seed)
 
 
-def measured_rates(*, strings: int = 2000, bits: int = 100, seed: int = 0) -> Rates:
-    """How often the printed operators change bits, over so many strings."""
-    rng = np.random.default_rng(seed)
-    parents = np.repeat([np.zeros(bits, np.bool_), np.ones(bits, np.bool_)], strings // 2, axis=0)
-    exchanged = [
-        GeneticSearch(mutate_to_removed=0.0, mutate_to_kept=0.0).offspring(parents[[0, -1]], rng)[0]
-        for _ in range(strings)
-    ]
-    share = np.array(exchanged).mean(axis=1)
-    flipped = GeneticSearch(crossover=0.0).offspring(parents, rng).mean(axis=1)
-    return Rates(
-        exchanged=float(np.abs(share).mean()),
-        to_removed=float(flipped[flipped < 0.5].mean()),  # noqa: PLR2004  # these were all 0, the others all 1
-        to_kept=float(1 - flipped[flipped > 0.5].mean()),  # noqa: PLR2004
-        bits=strings * bits // 2,
-    )
+def measured_rates(search: GeneticSearch | None = None, *, bits: int = 100_000, seed: int = 0) -> Rates:
+    """How often the operators change bits, the printed ones or those of another search, over strings so long."""
+    search = search or GeneticSearch()
+    parents = _unlike(bits)
+    crossing = dataclasses.replace(search, mutate_to_removed=0.0, mutate_to_kept=0.0)
+    mutating = dataclasses.replace(search, crossover=0.0)
+    exchanged, _ = (_offspring(crossing, parents, seed) != parents).mean(axis=1).tolist()
+    to_removed, to_kept = (_offspring(mutating, parents, seed) != parents).mean(axis=1).tolist()
+    return Rates(exchanged=exchanged, to_removed=to_removed, to_kept=to_kept, bits=bits)
 
 
-def _first(search: GeneticSearch, parents: Bits, wanted: Callable[[Bits], bool]) -> tuple[int, Bits]:
-    """The first seed whose offspring are as wanted, and they."""
+def _unlike(bits: int) -> Bits:
+    """Two parents (2, bits) with no bit in common: all 0, all 1."""
+    return np.repeat([[False], [True]], bits, axis=1)
+
+
+def _first(search: GeneticSearch, before: Bits, after: Bits) -> int:
+    """The first seed by which strings become others."""
     for seed in range(MOST_SEEDS):
-        offspring = search.offspring(parents, np.random.default_rng(seed))
-        if wanted(offspring):
-            return seed, offspring
+        if (_offspring(search, before, seed) == after).all():
+            return seed
     raise AssertionError(f"no seed below {MOST_SEEDS} draws the figure")
+
+
+def _offspring(search: GeneticSearch, parents: Bits, seed: int) -> Bits:
+    """The children, each in the place of the parent that it has its other bits from."""
+    order = np.random.default_rng(seed).permutation(len(parents))  # who mates with whom is drawn first
+    return search.offspring(parents, np.random.default_rng(seed))[np.argsort(order)]
 
 
 def _texts(strings: Bits) -> tuple[str, ...]:

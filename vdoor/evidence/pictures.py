@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from vdoor.evidence.doors_counted import CALLED, detected, methods_for
+from vdoor.evidence.doors_counted import CALLED, detected, methods_for, real_lines_m
 from vdoor.evidence.everything import Evidence
 from vdoor.evidence.runs import case_name
 from vdoor.evidence.sub_cases import SUB_CASES, SubCase
@@ -60,5 +60,4 @@ def _compared(environment: Environment, seed: int) -> draw.Compared:
         real = np.zeros(len(detection.virtual_m), np.bool_)
         real[[virtual for _, virtual in detection.pairs]] = True
         found[CALLED[name]] = (detection.virtual_m, real)
-    doors_m = np.array([(door.start_m, door.end_m) for door in made.doors], np.float64).reshape(-1, 2, 2)
-    return draw.Compared(environment.name, made.grid, doors_m, found)
+    return draw.Compared(environment.name, made.grid, real_lines_m(made), found)

@@ -20,9 +20,11 @@ SEEDS = 200
 """Searches of the walk-through's map."""
 SEARCHES = 50
 """Searches of each other map."""
-PRINTED_EDGES, PRINTED_GENERATION, POPULATION = 16, 9, 50
+PRINTED_EDGES, PRINTED_GENERATION, POPULATION, GENERATIONS = 16, 9, 50, 50
 PRINTED_LOG2_LOAD = -9
 """The paper says that the load falls to about 1/2^9."""
+EXAMPLE, EXAMPLE_STRINGS, EXAMPLE_EDGES = "50 x 30", 50 * 30, 20
+"""Strings evaluated in the paper's example, and its doors."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -57,6 +59,12 @@ class SearchClaims:
     def search_space(self) -> int:
         """Choices there are."""
         return int(2**self.edges)
+
+    @property
+    def best_generation(self) -> int:
+        """The first that had the best choice of the whole search."""
+        least = self.courses[-1].best + SAME_COST
+        return next(course.generation for course in self.courses if course.best <= least)
 
     @property
     def proven(self) -> bool:

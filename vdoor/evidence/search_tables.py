@@ -6,10 +6,15 @@ import statistics
 from collections.abc import Iterator
 
 from vdoor.evidence.search_claims import (
+    EXAMPLE,
+    EXAMPLE_EDGES,
+    EXAMPLE_STRINGS,
+    GENERATIONS,
     POPULATION,
     PRINTED_EDGES,
     PRINTED_GENERATION,
     PRINTED_LOG2_LOAD,
+    SEARCHES,
     SearchClaims,
     log2_load,
 )
@@ -32,11 +37,15 @@ def _load_rows(search: SearchClaims) -> Iterator[tuple[str, str, str]]:
     here = f"1/2^{-log2_load(search.evaluations, search.edges):.1f}"
     yield "virtual doors", str(PRINTED_EDGES), str(search.edges)
     yield "choices of doors", f"{2**PRINTED_EDGES:,}", f"{search.search_space:,}"
-    yield "generation of the optimum", str(PRINTED_GENERATION), str(search.evaluations // POPULATION - 1)
-    yield "choices evaluated until then", f"{printed}", f"{search.evaluations}"
+    yield "generation of the optimum", str(PRINTED_GENERATION), str(search.best_generation)
+    yield "choices evaluated until then", f"{PRINTED_GENERATION} x {POPULATION} = {printed}", f"{search.evaluations}"
     yield "as a share of all", f"1/2^{-PRINTED_LOG2_LOAD}; its numbers give {meant}", here
     yield "chance of the optimum among as many drawn blindly", "", f"{_blind(search):.1%}"
-    yield "choices evaluated in all generations", "2,500, or 50 x 30", f"{search.all_evaluations:,}"
+    most = f"{GENERATIONS} x {POPULATION} = {GENERATIONS * POPULATION:,}, or {EXAMPLE}"
+    strings = EXAMPLE_STRINGS, search.all_evaluations
+    meant, now = (f"1/2^{-log2_load(count, EXAMPLE_EDGES):.1f}" for count in strings)
+    yield "choices evaluated in all generations", most, f"{search.all_evaluations:,}"
+    yield f"as a share of the choices of {EXAMPLE_EDGES} doors", f"{EXAMPLE} of 2^{EXAMPLE_EDGES}: {meant}", now
 
 
 def _optimum_rows(search: SearchClaims) -> Iterator[tuple[str, str, str]]:
@@ -72,4 +81,7 @@ def hits_table(search: SearchClaims) -> Table:
         title="Section III: searches that reach the proven optimum",
         head=("virtual doors", "maps", "searches", "share (95 %)"),
         rows=tuple(rows),
+        notes=(
+            f"Intervals are Wilson's, of 95 %; they take searches as independent, though a map has {SEARCHES} of them.",
+        ),
     )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from vdoor.evidence.claims import FURNISHED, claims
+from vdoor.evidence.claims import KINDS, claims
 from vdoor.evidence.door_tables import ISLANDS, apartments_table, table_1
 from vdoor.evidence.everything import Evidence
 from vdoor.evidence.search_tables import hits_table, search_table
@@ -26,8 +26,8 @@ def all_tables(evidence: Evidence) -> dict[str, Table]:
         "figure_5": figure_5(evidence),
         "search": search_table(evidence.search),
         "hits": hits_table(evidence.search),
-        "table_1_empty": table_1(empty, FURNISHED[0]),
-        "table_1_furnished": table_1(furnished, FURNISHED[1]),
+        "table_1_empty": table_1(empty, KINDS[0]),
+        "table_1_furnished": table_1(furnished, KINDS[1]),
         "apartments": apartments_table(evidence),
         "coverage": coverage_table(),
         "slips": slips_table(evidence),
@@ -103,7 +103,7 @@ def rates_table(evidence: Evidence) -> Table:
             ("0 to 1 by mutation", "0.1", f"{rates.to_removed:.4f}"),
             ("1 to 0 by mutation", "0.01", f"{rates.to_kept:.4f}"),
         ),
-        notes=(f"Measured over {rates.bits:,} bits or more.",),
+        notes=(f"Each measured over {rates.bits:,} bits.",),
     )
 
 

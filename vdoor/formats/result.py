@@ -49,13 +49,20 @@ def refuse_high_ids(folder: Path, topology: TopologicalMap) -> None:
         raise VdoorError(f"rooms.png: wanted room ids up to {MOST_ROOMS}, found {most}: {folder}")
 
 
-def rewrite_result(folder: Path, topology: TopologicalMap, edits: Sequence[str]) -> None:
-    """Write an edited map into the folder it was read from; `edits` are all that have led to it."""
+def rewritten(folder: Path, topology: TopologicalMap, edits: Sequence[str]) -> list[tuple[Path, bytes]]:
+    """What the files of a result folder are to hold for an edited map; `edits` are all that have led to it.
+
+    Raises `VdoorError` where they cannot hold it: made before any of them is written, so that all stay as they are.
+    """
+    refuse_high_ids(folder, topology)
     document = json.loads((folder / "map.json").read_text(encoding="utf-8"))
     document |= _graph(topology)
     document["settings"]["edit"] = document["settings"].get("edit", {}) | {"edits": list(edits)}
-    write_whole(folder / "rooms.png", png(topology.labels.astype(np.uint16)))
-    write_whole(folder / "map.json", (json.dumps(document, indent=1, allow_nan=False) + "\n").encode())
+    try:
+        text = json.dumps(document, indent=1, allow_nan=False) + "\n"
+    except ValueError as error:  # such as NaN, which Python reads and JSON does not have
+        raise VdoorError(f"map.json: wanted finite numbers, found others: {folder}") from error
+    return [(folder / "rooms.png", png(topology.labels.astype(np.uint16))), (folder / "map.json", text.encode())]
 
 
 def document_of(topology: TopologicalMap, info: RunInfo, timings_s: Mapping[str, float]) -> dict[str, Any]:

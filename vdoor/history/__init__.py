@@ -150,6 +150,9 @@ class History:
         scored, edges = self._column("door_scores.door"), self._column("initial_map.door")
         if scored is not None and edges is not None and not np.isin(edges, scored).all():
             raise RecordingError(f"initial_map.door: wanted doors that have scores, found others: {self.file}")
+        bordering = self._column("initial_map.border_edge")
+        if bordering is not None and edges is not None and not _each_in_order(bordering, len(edges)):
+            raise RecordingError(f"initial_map.border_edge: wanted each edge, in order, found others: {self.file}")
         working = [self.records[topic] for topic in STAGES[1:-1] if topic in self.records]
         frames = {record.frame for record in working if hasattr(record, "frame")}
         if len(frames) > 1:
@@ -287,3 +290,8 @@ class History:
         """Edges that part two rooms of the working grid in the end."""
         _, rows = merged(self.problem, self.search[-1].removed)
         return frozenset(edge for edge, _, _ in rows)
+
+
+def _each_in_order(values: NDArray[np.int32], count: int) -> bool:
+    """Whether values (k,) ascend from 0 to `count` - 1 and leave none out."""
+    return bool((np.diff(values, prepend=-1, append=count) <= 1).all() and (np.diff(values) >= 0).all())

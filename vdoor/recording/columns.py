@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import dataclasses
+import itertools
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, ClassVar, get_type_hints
@@ -25,6 +27,8 @@ FAR = 1e18
 """Sizes and places up to here leave all points of a map within the float32 that viewers are given."""
 WHOLE_TO = 2**53
 """Integers up to here are exact as float64."""
+MOST_TOLD = 4
+"""Entries of one column that are told one by one."""
 
 
 @dataclass(frozen=True)
@@ -106,7 +110,7 @@ class Table:
     def _check_fields(self, found: dict[str, tuple[int, int]]) -> None:
         for name, (offset, datatype) in self.fields.items():
             if name not in found:
-                msg = f"{self.place}: wanted a column {name}, found {', '.join(found) or 'none'}"
+                msg = f"{self.place}: wanted a column {name}, found {told(found) or 'none'}"
                 raise RecordingError(msg)
             if found[name] != (offset, datatype):
                 types = [POINT_FIELD_NAME.get(kind, f"type {kind}") for kind in (datatype, found[name][1])]
@@ -114,7 +118,7 @@ class Table:
                 raise RecordingError(msg)
         for name in found:
             if name not in self.fields:
-                msg = f"{self.place}: wanted columns {', '.join(self.fields)}, found {name} as well"
+                msg = f"{self.place}: wanted columns {told(self.fields)}, found {name} as well"
                 raise RecordingError(msg)
 
     def _column(self, name: str, values: NDArray[Any]) -> NDArray[Any]:
@@ -122,6 +126,21 @@ class Table:
         if dtype == np.bool_ or spec.words:
             check_range(f"{self.place}.{name}", values, 0, len(spec.words) - 1 if spec.words else 1)
         return np.ascontiguousarray(values, dtype=dtype)
+
+
+def told(names: Iterable[str]) -> str:
+    """Names of a message's entries; of the many of a long vector the first and the last: feature_0 to feature_38."""
+
+    def vector(numbered: tuple[int, str]) -> tuple[str, int]:
+        at, name = numbered
+        stem, _, number = name.rpartition("_")
+        return (stem, at - int(number)) if number.isdecimal() else (name, 0)
+
+    parts = []
+    for _, group in itertools.groupby(enumerate(names), vector):
+        own = [name for _, name in group]
+        parts += own if len(own) <= MOST_TOLD else [f"{own[0]} to {own[-1]}"]
+    return ", ".join(parts)
 
 
 @dataclass(frozen=True)

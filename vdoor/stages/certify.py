@@ -26,7 +26,8 @@ class Certificate(Record):
     lower_bound: Annotated[float, Spec("number", tolerance=1e-6)]
     """No choice costs less."""
     gap: Annotated[float, Spec("number", tolerance=1e-6)]
-    """Log-odds between the two, 0 where the choice is optimal; the bound leaves out what kept doors' rooms lack."""
+    """Log-odds between the two, 0 where the choice is optimal; the bound leaves out what kept doors' rooms lack, and
+    counts doors around which one can walk."""
     optimal: Annotated[int, Spec("count")]
     """1 where that is proven."""
 
@@ -41,10 +42,11 @@ class NoProof:
 
 @dataclass(frozen=True, kw_only=True)
 class BoundEnergy:
-    """Bound the energy from below by the best choice of doors without rivals, whatever rooms they make.
+    """Bound the energy from below by the best choice of doors without rivals, whatever rooms they make, or part.
 
     That is a maximum-weight independent set, solved as an integer programme. What rooms lack without any door they
-    always lack, and doors only ever add to it, so where the choice found reaches the bound it is optimal.
+    always lack, and doors only ever add to it; no door saves more than what it gains where it parts rooms. So where
+    the choice found reaches the bound it is optimal.
     """
 
     most_s: Annotated[float, Within(0.01, 3600)] = 10.0

@@ -103,9 +103,9 @@ class Totals(NamedTuple):
     lacking_m2: Number
     """What rooms lack of the room threshold, summed over the smaller ones."""
     separating: Number
-    """Kept doors that part rooms; 0 where doors have no scores."""
+    """Kept doors that part rooms; 0 but for the energy."""
     log_odds: Number
-    """Summed over those."""
+    """Summed over those; 0 where doors have no scores."""
     clashes: Number
     """Pairs of rivals of which both doors are kept."""
 
@@ -144,7 +144,8 @@ class MergeProblem:
         self.log_odds, self.rivals = odds_and_rivals(initial, scores)
         worst = (np.arange(self.edges), initial.length_m, initial.tilt_rad)
         bias = cost.bias if isinstance(cost, DoorEnergy) else 0.0
-        self.scored = scores is not None
+        self.asks_what_parts = isinstance(cost, DoorEnergy)
+        """Whether the cost counts the doors that part rooms."""
         self.border_region = initial.border_region
         """Regions that each edge borders, flat; `border_start` (edges,) says where they begin."""
         self.border_start = np.searchsorted(initial.border_edge, np.arange(self.edges))
@@ -183,9 +184,9 @@ class MergeProblem:
     def parts_rooms(self, room: NDArray[np.intp]) -> Bits:
         """Which doors (p, edges) have several rooms around them, where nodes (p, nodes) are of these rooms.
 
-        None where doors have no scores: it matters to the energy alone.
+        None where the cost does not ask: it matters to the energy alone.
         """
-        if not (self.scored and self.edges):
+        if not (self.asks_what_parts and self.edges):
             return np.zeros((len(room), self.edges), np.bool_)
         beside = room[:, self.border_region]
         least = np.minimum.reduceat(beside, self.border_start, axis=1)

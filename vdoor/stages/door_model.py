@@ -72,8 +72,11 @@ class Curves:
         return np.stack(columns, axis=1) if columns else np.zeros((len(features), 0))
 
     def log_odds(self, features: Floats, share_rough: float) -> Floats:
-        """Log-odds (k,) that doors with these features (k, features) are real."""
-        return np.asarray(self.says(features, share_rough).sum(axis=1) + self.bias(share_rough))
+        """Log-odds (k,) that doors with these features (k, features) are real.
+
+        Rounded to billionths, so that doors that are alike are equally likely on every machine.
+        """
+        return np.asarray(np.round(self.says(features, share_rough).sum(axis=1) + self.bias(share_rough), 9))
 
 
 @dataclass(frozen=True)
@@ -155,7 +158,8 @@ def model_named(name: str) -> DoorModel:
             f"score.model: wanted {SHIPPED!r} or a readable file, found {error.strerror}: {name}"
         ) from error
     except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
-        raise SettingError(f"score.model: wanted curves as `vdoor train` writes them, found {error}: {name}") from error
+        found = f"none called {error}" if isinstance(error, KeyError) else str(error)
+        raise SettingError(f"score.model: wanted curves as `vdoor train` writes them, found {found}: {name}") from error
 
 
 def _text(name: str) -> str:

@@ -67,9 +67,15 @@ FEATURES = (*FIRST, *SHUT)
 
 
 def first_features(
-    simplified: SimplifiedGrid, path: BoundaryPath, doors: VirtualDoors, rows: Ints, corner_sample: NDArray[np.int32]
+    simplified: SimplifiedGrid,
+    path: BoundaryPath,
+    doors: VirtualDoors,
+    rows: Ints,
+    corner_sample: NDArray[np.int32],
+    *,
+    distance: Padded,
 ) -> Floats:
-    """The values (k, features) of `FIRST` for the chosen rows of `doors`."""
+    """The values (k, features) of `FIRST` for the chosen rows of `doors`; `distance` is that of `room_around`."""
     free = simplified.cells == FREE
     door = Segments(doors, rows)
     found: dict[str, Floats] = {"length_m": door.length_m}
@@ -79,7 +85,7 @@ def first_features(
     found |= ends_known(simplified, door)
     open_ = Padded(free, False)
     found |= space_beside(open_, door)
-    found |= clearance(free, open_, door)
+    found |= clearance(distance, open_, door)
     found |= wall_runs(free, door)
     found |= around_the_contour(path, door, doors, rows, corner_sample)
     found |= removed_on_the_line(simplified, doors, rows)

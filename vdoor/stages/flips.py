@@ -189,10 +189,10 @@ def _neighbours(problem: MergeProblem) -> list[list[int]]:
 
 
 def _borders(problem: MergeProblem) -> tuple[list[list[int]], list[list[int]]]:
-    """Regions that each edge borders, and edges that border each node; none where doors have no scores."""
+    """Regions that each edge borders, and edges that border each node; none where the cost does not ask."""
     regions: list[list[int]] = [[] for _ in range(problem.edges)]
     edges: list[list[int]] = [[] for _ in problem.cells]
-    if problem.scored:
+    if problem.asks_what_parts:
         ends = [*problem.border_start.tolist(), len(problem.border_region)]
         for edge, (begin, end) in enumerate(itertools.pairwise(ends)):
             regions[edge] = problem.border_region[begin:end].tolist()

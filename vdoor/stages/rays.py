@@ -26,8 +26,9 @@ class Padded:
 
     def at(self, row: NDArray[np.floating], col: NDArray[np.floating]) -> NDArray[np.generic]:
         """Values of the cells that hold the places, the border's for all places outside."""
-        r = np.clip(np.rint(row).astype(np.int32) + 1, 0, self.height - 1)
-        c = np.clip(np.rint(col).astype(np.int32) + 1, 0, self.width - 1)
+        # Not to the nearest even number: halves would go another way where the map lies one cell further.
+        r = np.clip(np.floor(row + 0.5).astype(np.int32) + 1, 0, self.height - 1)
+        c = np.clip(np.floor(col + 0.5).astype(np.int32) + 1, 0, self.width - 1)
         return np.asarray(self.flat[r * self.width + c])
 
     def of(self, part: slice) -> Padded:  # noqa: ARG002  # here all looks see the same

@@ -19,6 +19,7 @@ from vdoor.stages.rivals import outdone, rivals, surest
 from vdoor.stages.segments import Segments
 from vdoor.stages.shut import shut_features
 from vdoor.stages.simplify import SimplifiedGrid
+from vdoor.stages.space import room_around
 from vdoor.stages.trace import BoundaryPath
 
 Floats = NDArray[np.float64]
@@ -118,10 +119,11 @@ class ScoreDoors:
     ) -> tuple[Floats, NDArray[np.intp]]:
         """Values (k, features) of `FEATURES` for the proposed doors, and which (m,) of them were shut for that."""
         rows = np.flatnonzero(doors.verdict == PROPOSED)
-        segments = Segments(doors, rows)
-        first = first_features(simplified, path, doors, rows, corners.sample)
+        segments, free = Segments(doors, rows), simplified.cells == FREE
+        distance = room_around(free)
+        first = first_features(simplified, path, doors, rows, corners.sample, distance=distance)
         sure = surest(segments, first_look.log_odds(first, share_rough), self.sure_log_odds, self.apart_m)
-        again = shut_features(simplified.cells == FREE, segments, doors, rows, sure)
+        again = shut_features(free, segments, doors, rows, sure, distance=distance)
         return np.concatenate([first, again], axis=1), sure
 
 

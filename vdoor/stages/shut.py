@@ -28,8 +28,13 @@ OWN_M = 0.6
 NONE, OPEN = -1, -2
 
 
-def shut_features(free: Mask, door: Segments, doors: VirtualDoors, rows: Ints, sure: Index) -> Floats:
-    """The values (k, features) of `SHUT` for segments (k,), which are `rows` of `doors`; `sure` (m,) are shut."""
+def shut_features(
+    free: Mask, door: Segments, doors: VirtualDoors, rows: Ints, sure: Index, *, distance: Padded
+) -> Floats:
+    """The values (k, features) of `SHUT` for segments (k,), which are `rows` of `doors`; `sure` (m,) are shut.
+
+    `distance` is that of `room_around`: shut doors make no room narrower, they only stop looks.
+    """
     number = np.full(len(doors.verdict), NONE, np.int32)
     number[rows[sure]] = np.arange(len(sure))
     on = number[doors.line_door] >= 0
@@ -44,7 +49,7 @@ def shut_features(free: Mask, door: Segments, doors: VirtualDoors, rows: Ints, s
         away, nearest = cKDTree(door.middle[sure]).query(door.middle)
         own = np.where(away * door.cell_m < OWN_M, nearest, OPEN).astype(np.int32)
     space = ShutSpace(free, shut, own)
-    found = space_beside(space, door) | clearance(free, space, door)
+    found = space_beside(space, door) | clearance(distance, space, door)
     return np.stack([found[name] for name in (*BESIDE, *CLEARANCE)], axis=1)
 
 

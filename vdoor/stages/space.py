@@ -42,10 +42,13 @@ def space_beside(open_: Padded, door: Segments) -> dict[str, Floats]:
     }
 
 
-def clearance(free: Mask, open_: Padded, door: Segments) -> dict[str, Floats]:
+def room_around(free: Mask) -> Padded:
+    """How far, in cells, each free cell is from the nearest one that is not, or from the map's edge."""
+    return Padded(ndimage.distance_transform_edt(np.pad(free, 1))[1:-1, 1:-1], 0.0)
+
+
+def clearance(distance: Padded, open_: Padded, door: Segments) -> dict[str, Floats]:
     """Whether space opens up behind the door: room around places met on the way, against half the door's length."""
-    away = ndimage.distance_transform_edt(np.pad(free, 1))[1:-1, 1:-1]
-    distance = Padded(away, 0.0)
     half_m = door.length_m / 2
     found = {"clear_middle_m": distance.at(*door.middle.T).astype(np.float64) * door.cell_m - half_m}
     steps = np.arange(1, max(1, int(max(CLEARANCE_REACHES_M) / door.cell_m * 2)) + 1) / 2

@@ -134,6 +134,8 @@ class ProposeWideDoors:
         hit = blocked.any(axis=1) & (first > 0)
         index = np.flatnonzero(hit)
         end = np.stack([np.rint(row[index, first[index]]), np.rint(col[index, first[index]])], axis=1).astype(np.int32)
+        beside = ((end >= -1) & (end <= free.shape)).all(axis=1)  # where nothing blocks near a corner, a look may leave
+        index, end = index[beside], end[beside]
         both = np.stack([convex[which[index]], np.full(len(index), -1, np.int32)], axis=1)
         kind = np.full(len(index), KINDS.index("extension"), np.uint8)
         return Found(start[index], end, kind, np.full(len(index), PROPOSED, np.uint8), both)

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from vdoor.grid import OccupancyGrid
+from vdoor.grid import FREE, OccupancyGrid
 from vdoor.pipeline import Pipeline
 from vdoor.record import Frame
 from vdoor.stages.door_model import Curves, Rough
@@ -18,6 +18,7 @@ from vdoor.stages.doors import PROPOSED
 from vdoor.stages.features import first_features
 from vdoor.stages.score import ScoreDoors, corners_per_m
 from vdoor.stages.segments import Segments
+from vdoor.stages.space import room_around
 from vdoor.synth import Home, Office, SyntheticMap, synthesize
 
 Floats = NDArray[np.float64]
@@ -116,7 +117,8 @@ def examples(lesson: Lesson, pipeline: Pipeline, first_look: Curves | None = Non
     label, weight = judged(ends_m[0], ends_m[1], lesson.real)
     share_rough = Rough().share(corners_per_m(path, corners))
     if first_look is None:
-        feature = first_features(simplified, path, doors, rows, corners.sample)
+        distance = room_around(simplified.cells == FREE)
+        feature = first_features(simplified, path, doors, rows, corners.sample, distance=distance)
     else:
         assert isinstance(pipeline.score, ScoreDoors)
         feature, _ = pipeline.score.looked(

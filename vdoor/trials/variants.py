@@ -14,6 +14,8 @@ from vdoor.stages.door_model import model_named
 Tables = Mapping[str, Mapping[str, Any]]
 NO_EXTENSION_M = 0.1
 """An extension as short as that is none."""
+NO_DOOR_LOG_ODDS = 100.0
+"""So likely is no door: none is shut for the second look, which sees what the first one saw."""
 SHORT_M = 1.2
 """The paper's widest door."""
 
@@ -38,12 +40,14 @@ VARIANTS = (
     Variant(name="whole recipe"),
     Variant(name="islands stay", settings={"simplify": {"max_island_m": 0.0}}),
     Variant(name="thin unknown lines stay", settings={"simplify": {"thin_unknown_m": 0.0}}),
+    Variant(name="slits stay open", settings={"simplify": {"slit_m": 0.0, "channel_m": 0.0}}),
     Variant(name="largest part only", settings={"simplify": {"least_part_m2": 0.0}}),
     Variant(name="no wall extensions", settings={"doors": {"extension_m": NO_EXTENSION_M}}),
     Variant(
         name="short doors only",
         settings={"doors": {"pair_m": SHORT_M, "single_m": SHORT_M, "extension_m": NO_EXTENSION_M}},
     ),
+    Variant(name="one look", settings={"score": {"sure_log_odds": NO_DOOR_LOG_ODDS}}),
     Variant(name="no room term", settings={"cost": {"lack_weight": 0.0, "lack_weight_rough": 0.0}}),
     Variant(name="greedy choice", settings={"search": {"generations": 0}}),
     Variant(name="cells of 20 cm", settings={"simplify": {"cell_m": 0.2}}),

@@ -49,6 +49,8 @@ class ScoreFate:
     """Doors below it are unlikely."""
     share_rough: float
     """How much the curves for ragged maps count, 0 to 1."""
+    sure: bool = False
+    """So likely at the first look that it was shut while the others were looked at again."""
     outdone_by: int = -1
     """The likeliest door at nearly the same place."""
     outdone_by_log_odds: float = 0.0
@@ -77,6 +79,7 @@ def score_fate(run: History, door: int) -> ScoreFate | None:
         judgement=judgement,
         least_log_odds=settings.least_log_odds,
         share_rough=scores.share_rough,
+        sure=bool(scores.sure[row]),
         outdone_by=int(scores.door[better]) if better >= 0 else -1,
         outdone_by_log_odds=float(scores.log_odds[better]) if better >= 0 else 0.0,
         bias=bias,

@@ -157,6 +157,8 @@ def score_lines(score: ScoreFate) -> Iterator[str]:
     bias = "" if score.bias is None else f", {score.bias:+.2f} before any feature"
     odds = f"log-odds {score.log_odds:+.2f} ({percent(1 / (1 + math.exp(-score.log_odds)))}{bias})"
     yield f"    score: {odds}, {_JUDGEMENTS[score.judgement](score)}{rough}"
+    if score.sure:
+        yield "      first look: sure, so it was shut while the other doors were looked at again"
     if score.bias is None:
         yield "      reasons: the curves that this run used are not here"
     else:

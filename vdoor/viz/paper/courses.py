@@ -10,6 +10,8 @@ from vdoor.viz.rerun import style
 
 PRINTED = 9
 """The generation in which the paper has its optimum."""
+NEAR = 0.01
+"""Costs that differ by less cannot be told apart in the picture."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -26,6 +28,7 @@ def search_picture(courses: Sequence[Course], *, optimum: float, reached: Sequen
     """Cost per generation beside the proven optimum, and the generations in which searches reached that, as a PNG."""
     number = [course.generation for course in courses]
     first = next((course.generation for course in courses if course.best <= optimum * (1 + 1e-9)), None)
+    near = next(course.generation for course in courses if course.best <= courses[-1].best * (1 + NEAR))
     with drawing(9.2, 3.3) as figure:
         left, right = figure.subplots(1, 2, width_ratios=(3, 2))
         for name, colour in (("worst", style.WORST), ("mean", style.MEAN), ("best", style.BEST)):
@@ -34,7 +37,9 @@ def search_picture(courses: Sequence[Course], *, optimum: float, reached: Sequen
         left.axhline(optimum, color="black", linewidth=0.8, linestyle=":", label=f"proven optimum, {optimum:.4f}")
         if first is not None:
             left.plot([first], [optimum], "o", color="black", markersize=5)
-            left.annotate(f"reached in generation {first}", (first, optimum), (8, 14), textcoords="offset points")
+            sooner = f", within {NEAR:.0%} from {near} on" if near < first else ""
+            text = f"reached in generation {first}{sooner}"
+            left.annotate(text, (first, optimum), (8, 14), textcoords="offset points")
         left.set(xlabel="generation", ylabel="cost (eq. 7)", xlim=(0, number[-1]), title="cost of the population")
         left.legend()
         if reached:

@@ -23,7 +23,10 @@ def draw_scores(scene: Scene, scores: DoorScores) -> None:
         own = np.flatnonzero(scores.judgement == code)
         likely = code == LIKELY
         odds = scores.log_odds[own].tolist()
-        labels = [f"door {door}: {said:+.2f}" for door, said in zip(scores.door[own], odds, strict=True)]
+        labels = [
+            f"door {door}: {said:+.2f}{', shut for the second look' if sure else ''}"
+            for door, said, sure in zip(scores.door[own], odds, scores.sure[own], strict=True)
+        ]
         scene.log(
             f"map/scores/{judgement}",
             rr.LineStrips2D(
@@ -40,7 +43,8 @@ def draw_scores(scene: Scene, scores: DoorScores) -> None:
     scene.log("map/scores/rivals", rr.LineStrips2D(joined, colors=style.RIVALS, radii=0.05, draw_order=27.0))
     counts = np.bincount(scores.judgement, minlength=len(JUDGEMENTS))
     judged = ", ".join(f"{count} {word}" for count, word in zip(counts, JUDGEMENTS, strict=True))
-    scene.say(f"{judged}; {len(scores.rival_a)} pairs of rivals; map {scores.share_rough:.0%} rough")
+    pairs, sure = len(scores.rival_a), int(scores.sure.sum())
+    scene.say(f"{judged}; {pairs} pairs of rivals; {sure} shut for the second look; map {scores.share_rough:.0%} rough")
     table(scene, scores, "scored", without=["feature"])
     if len(scores.door):
         features: dict[str, Any] = {name: scores.feature[:, at] for at, name in enumerate(FEATURES)}
