@@ -267,6 +267,14 @@ def test_added_door_can_be_removed() -> None:
     assert sorted(door.rooms for door in after.doors) == sorted(door.rooms for door in before.doors)
 
 
+def test_room_made_after_another_is_gone_is_not_taken_for_it() -> None:
+    lines = ("split 7.3,4.3 7.3,4.5", f"name {at(3)} Hall", "merge 7,4.3 7.6,4.3", "split 2.9,1.5 2.9,4.3")
+    after, verdicts, rooms = outcome(flat(), *lines)
+    assert verdicts == ["done"] * 4
+    assert after.room_ids == (1, 2, 3, 4, 5, 6)
+    assert rooms == [[3], [3], [3], [4, 6]]
+
+
 def test_places_just_outside_a_room_are_its_own() -> None:
     before = flat()
     row, col = np.argwhere(before.labels == 1)[0]

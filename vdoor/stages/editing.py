@@ -39,6 +39,7 @@ class Draft:
             topology.feature_room, topology.feature_corner, topology.feature_convex, topology.feature_m
         )
         self._taken = taken
+        self._last_key = max(self.id_of, default=0)
 
     def number(self, room: int, number: int) -> None:
         """Give a room an id; the room that had it takes the one that this room had."""
@@ -94,9 +95,9 @@ class Draft:
 
     def _new(self) -> int:
         """Key of a room to be, with an id above all others."""
-        key = max(self.id_of) + 1
-        self.id_of[key] = max(self._taken, *self.id_of.values()) + 1
-        return key
+        self._last_key += 1  # never that of a room which is gone: edits before may have spoken of it
+        self.id_of[self._last_key] = max(self._taken, *self.id_of.values()) + 1
+        return self._last_key
 
     def _write(self, box: Box, labels: Ints) -> None:
         self.labels = self.labels.copy() if not self.labels.flags.writeable else self.labels
