@@ -139,7 +139,7 @@ def test_scores_shift_with_the_map() -> None:
     """Doors' middles and looks often lie between two cells: which of the two is asked must not hang on where it is."""
     cells = synthesize(KINDS_OF_MAPS["home"], np.random.default_rng(2)).grid.cells
     plain, moved = (records_of(grid)[DoorScores] for grid in (cells, np.pad(cells, ((3, 0), (7, 0)), "edge")))
-    np.testing.assert_array_equal(plain.middle + [3, 7], moved.middle)
+    np.testing.assert_array_equal(np.add(plain.middle, (3, 7)), moved.middle)
     np.testing.assert_allclose(plain.feature, moved.feature, rtol=0, atol=1e-9)
     np.testing.assert_array_equal(plain.sure, moved.sure)
 

@@ -255,18 +255,6 @@ def test_the_ids_that_are_printed_are_those_of_the_export(runs: Path, tmp_path: 
     assert sorted((int(a), int(b), int(door)) for door, a, b in doors) == sorted(graph.edges(keys=True))
 
 
-def test_python_example_of_the_readme_runs(runs: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    examples = re.findall(r"```python\n(.*?)```", (HOME / "README.md").read_text(), re.DOTALL)
-    (example,) = (text for text in examples if "import export" in text)
-    shutil.copytree(runs / "flat", tmp_path / "result")
-    monkeypatch.chdir(tmp_path)
-    names: dict[str, Any] = {}
-    exec(example.replace('"recordings/', f'"{HOME}/recordings/'), names)  # noqa: S102  # the README's own words
-    assert json.loads(names["text"])["type"] == "FeatureCollection"
-    assert (tmp_path / "mask.pgm").is_file()
-    assert (tmp_path / "mask.yaml").is_file()
-
-
 def test_walls_for_a_vacuum_stand_in_the_doorway_of_its_own_map(tmp_path: Path) -> None:
     cells = finished.house(2, (1, 6, 4))
     across, down, cell_cm = 100, 200, 20
