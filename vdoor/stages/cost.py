@@ -67,9 +67,9 @@ class DoorEnergy:
     """Log-odds that a room of no area would cost; one of half the threshold costs half as much."""
     lack_weight_rough: Annotated[float, Within(0, 1e6)] = 4.0
     """The same on ragged maps, where furniture makes rooms that are none."""
-    bias: Annotated[float, Within(-100, 100)] = 0.5
+    bias: Annotated[float, Within(-100, 100)] = 0.25
     """Added to the log-odds of each door: above 0 more doors are kept."""
-    bias_rough: Annotated[float, Within(-100, 100)] = 1.0
+    bias_rough: Annotated[float, Within(-100, 100)] = 0.7
     """The same on ragged maps."""
     clash_weight: Annotated[float, Within(0, 1e6)] = 100.0
     """Per pair of rivals of which both are kept."""
