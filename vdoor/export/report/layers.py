@@ -8,10 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vdoor.errors import MapError, RecordingError
+from vdoor.errors import RecordingError
 from vdoor.export.report.sheet import Layer, Sheet, colour_text, polygon, polyline, room_codes
 from vdoor.export.report.story import Story
-from vdoor.formats import read_annotations
 from vdoor.grid import FREE_TO, OCCUPIED_FROM, OccupancyGrid
 from vdoor.record import RASTERS, Frame, Record, specs, tables
 from vdoor.stages.corners import Candidates, Corners
@@ -21,6 +20,7 @@ from vdoor.stages.rooms import InitialMap
 from vdoor.stages.simplify import REASONS, SimplifiedGrid
 from vdoor.stages.trace import BoundaryPath
 from vdoor.viz.rerun import style
+from vdoor.viz.rerun.restrictions import restrictions
 
 Drawn = Iterator[Layer]
 FREE, BETWEEN, OCCUPIED = 1, 2, 3
@@ -59,18 +59,8 @@ def layers(sheet: Sheet, story: Story | None) -> Iterator[Layer]:
 def draw_input(sheet: Sheet, grid: OccupancyGrid) -> Drawn:
     """The map as read, and where the robot must not go."""
     yield _cells(sheet, grid, Layer("input", "Map as read", on=True))
-    try:
-        said = read_annotations(grid.source)
-    except MapError:  # the files of a recording can be any
-        said = None
-    if said is None:
-        return
     layer = Layer("restrictions", "Restrictions in the map's file", on=True)
-    for word, colour, lines in (
-        ("virtual wall", style.VIRTUAL_WALL, said.virtual_walls_m),
-        ("no-go area", style.NO_GO, [(*area, area[0]) for area in said.no_go_areas_m]),
-        ("no-mop area", style.NO_MOP, [(*area, area[0]) for area in said.no_mop_areas_m]),
-    ):
+    for word, colour, lines in restrictions(grid):
         paths = [polyline(sheet.world_points(np.array(line))) for line in lines]
         layer.add_lines(paths, colour_text(colour), word, tips=[word] * len(paths), wide_px=3)
     if layer.shapes:

@@ -9,8 +9,6 @@ import numpy as np
 import rerun as rr
 
 from vdoor.baselines import ErodedSpace, GrownRooms, Narrows, Skeleton
-from vdoor.errors import MapError
-from vdoor.formats import read_annotations
 from vdoor.grid import OccupancyGrid
 from vdoor.record import RASTERS, Record, specs, tables
 from vdoor.stages.certify import Certificate
@@ -28,6 +26,7 @@ from vdoor.viz.rerun import style
 from vdoor.viz.rerun.baselines import draw_eroded, draw_grown, draw_narrows, draw_skeleton
 from vdoor.viz.rerun.curve import draw_curve, draw_threshold
 from vdoor.viz.rerun.graphs import draw_edits, draw_generation, draw_initial, draw_map
+from vdoor.viz.rerun.restrictions import restrictions
 from vdoor.viz.rerun.rows import table
 from vdoor.viz.rerun.scene import Scene, classes, pixels, strips
 from vdoor.viz.rerun.scores import draw_certificate, draw_scores
@@ -56,20 +55,9 @@ def draw_input(scene: Scene, grid: OccupancyGrid) -> None:
 
 def draw_restrictions(scene: Scene, grid: OccupancyGrid) -> None:
     """Virtual walls and areas that the robot keeps out of, where the map's file knows any, on the map itself."""
-    try:
-        said = read_annotations(grid.source)
-    except MapError:  # the files of a recording can be any
-        said = None
-    if said is None:
-        return
-    kinds = (
-        ("virtual wall", style.VIRTUAL_WALL, said.virtual_walls_m),
-        ("no-go area", style.NO_GO, [(*area, area[0]) for area in said.no_go_areas_m]),
-        ("no-mop area", style.NO_MOP, [(*area, area[0]) for area in said.no_mop_areas_m]),
-    )
     drawn = [
         (pixels(grid.frame.cell_from_world(np.array(line))), colour, name)
-        for name, colour, own in kinds
+        for name, colour, own in restrictions(grid)
         for line in own
     ]
     if drawn:

@@ -12,16 +12,14 @@ from numpy.typing import NDArray
 
 from vdoor import __version__
 from vdoor.emit import RunInfo
-from vdoor.errors import VdoorError
 from vdoor.evaluate import Doors, Evaluation
 from vdoor.evaluate.report import fates
-from vdoor.files import partial_name
 from vdoor.grid import Source
 from vdoor.viz.rerun import style
 from vdoor.viz.rerun.draw import CELL_CLASSES, cell_classes
 from vdoor.viz.rerun.graphs import room_classes
 from vdoor.viz.rerun.scene import Scene, classes, pixels, strips
-from vdoor.viz.rerun.sink import errors_at, new_stream
+from vdoor.viz.rerun.whole import whole_recording
 
 TABS = ("Doors", "Rooms")
 HIT, MISSED, FALSE, EXCUSED = "hits", "missed", "false", "excused"
@@ -43,25 +41,11 @@ found one; dark ones have no partner. Several maps follow one another along the 
 
 def save_evaluations(path: Path, evaluations: Sequence[Evaluation]) -> None:
     """Write a Rerun recording with one step a map; `VdoorError` where it cannot be written."""
-    partial = partial_name(path)
-    stream = new_stream(_identity(evaluations))
-    try:
-        with errors_at(path):
-            partial.touch()
-            stream.save(partial, default_blueprint=blueprint())
-            scene = Scene(stream)
-            keep_classes(scene, evaluations)
-            for step, evaluation in enumerate(evaluations):
-                scene.begin(step, evaluation.name)
-                draw_evaluation(scene, evaluation)
-            stream.flush()
-            stream.disconnect()
-            if partial.stat().st_size:
-                partial.replace(path)
-                return
-        raise VdoorError(f"recording: nothing was written, wanted a Rerun recording: {path}")
-    finally:
-        partial.unlink(missing_ok=True)
+    with whole_recording(path, _identity(evaluations), blueprint()) as scene:
+        keep_classes(scene, evaluations)
+        for step, evaluation in enumerate(evaluations):
+            scene.begin(step, evaluation.name)
+            draw_evaluation(scene, evaluation)
 
 
 def blueprint() -> rrb.Blueprint:
