@@ -76,13 +76,13 @@ def segments(doors: VirtualDoors) -> set[frozenset[tuple[int, int]]]:
     }
 
 
-def problem_of(cells: Cells) -> MergeProblem:
+def problem_of(cells: Cells, cost: DoorEnergy | None = None) -> MergeProblem:
     """The choice among all proposed doors, likely or not, so that there is something to search."""
     pipeline = Pipeline(
         simplify=DEFAULT.simplify, doors=DEFAULT.doors, score=ScoreDoors(least_log_odds=-100), cost=DoorEnergy()
     )
     found = records_of(cells, pipeline)
-    return MergeProblem(found[InitialMap], DoorEnergy(), found[DoorScores])
+    return MergeProblem(found[InitialMap], cost or DoorEnergy(), found[DoorScores])
 
 
 def all_choices(count: int) -> np.ndarray[Any, np.dtype[np.bool_]]:

@@ -23,6 +23,7 @@ from vdoor.pipeline import METHODS, PRESETS, RECORDS, Pipeline, emitted
 from vdoor.pipeline import recorded as pipeline_of
 from vdoor.recording.check import check
 from vdoor.recording.mcap import McapSink, read_recording
+from vdoor.stages import certify
 from vdoor.stages.rooms import InitialMap
 from vdoor.viz.rerun.blueprint import TABS, tabs_of
 from vdoor.viz.rerun.shot import NO_RENDERER, shots
@@ -177,7 +178,16 @@ def test_scores_and_certificate_are_one_line_each(two_rooms: Path) -> None:
     assert int(rough) == round(100 * run.scores.share_rough)
     (proof,) = [line for line in lines if " certificate " in line]
     found = run.certificate
+    assert (found.gap, found.optimal) == (0, 1)
+    assert proof.rstrip().endswith(f"  proven optimal: no choice costs less than {found.cost:.4f}")
+
+
+def test_a_gap_is_said(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(certify, "MOST_NODES", 1)  # all blocks are too large for all choices to be tried
+    path = scored(tmp_path)
+    found = history(path).certificate
     assert found.gap > 0
+    (proof,) = [line for line in called("show", path).stdout.splitlines() if " certificate " in line]
     numbers = f"cost {found.cost:.4f}, bound {found.lower_bound:.4f}, gap {found.gap:.4f}"
     assert proof.rstrip().endswith(f"not proven optimal: {numbers}")
 

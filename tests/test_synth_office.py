@@ -13,6 +13,7 @@ from scipy import ndimage
 
 from vdoor.errors import SettingError
 from vdoor.synth import PRESETS, Office, SyntheticMap, synthesize
+from vdoor.synth.office_halls import BLOCK_GAP_M
 
 SMALL = dataclasses.replace(PRESETS["office"], length_min_m=12.0, length_max_m=24.0)
 PLAIN = dataclasses.replace(SMALL, furniture=False, rough_chance=0.0)
@@ -52,11 +53,28 @@ def test_a_door_is_a_free_gap_of_its_width(seed: int) -> None:
     office = made(PLAIN, seed)
     for door in office.doors:
         assert np.hypot(*np.subtract(door.end_m, door.start_m)) == pytest.approx(door.width_m, abs=1e-5)
-        assert 0.8 - 1e-6 <= door.width_m <= PLAIN.corridor_max_m + 1e-6  # some are the mouths of corridors
+        # Some are the mouths of corridors, some are left between blocks that part a hall.
+        assert BLOCK_GAP_M[0] - 1e-6 <= door.width_m <= PLAIN.corridor_max_m + 1e-6
         assert door.unsure == (door.width_m >= PLAIN.unsure_from_m - 1e-9)
         cells = cells_on(office, door)[8:-8]  # a cell whose middle is in the jamb may begin 4 cm before it
         assert office.grid.free[tuple(cells.T)].all()
         assert set(office.rooms[tuple(cells.T)]) <= set(door.rooms)
+
+
+def test_a_corridor_between_two_open_halls_has_one_mouth() -> None:
+    open_ = dataclasses.replace(PRESETS["office"], open_hall_chance=1.0, furniture=False, rough_chance=0.0)
+    for seed in range(40):
+        middles = np.array([np.add(door.start_m, door.end_m) / 2 for door in made(open_, seed).doors])
+        assert len(np.unique(middles.round(3), axis=0)) == len(middles)
+
+
+def test_screens_part_nothing() -> None:
+    bare = dataclasses.replace(PLAIN, screen_chance=0.0)
+    full = dataclasses.replace(PLAIN, screen_chance=1.0)
+    pairs = [(made(bare, seed), made(full, seed)) for seed in range(12)]
+    assert all(len(one.doors) == len(other.doors) for one, other in pairs)
+    assert all(one.rooms.max() == other.rooms.max() for one, other in pairs)
+    assert sum(other.grid.occupied.sum() > one.grid.occupied.sum() for one, other in pairs) > 6
 
 
 @law
@@ -81,7 +99,8 @@ def test_furniture_changes_neither_rooms_nor_doors(seed: int) -> None:
 
 
 def test_floors_are_as_varied_as_wanted() -> None:
-    offices = [made(PRESETS["office"], seed) for seed in range(16)]
+    plain = dataclasses.replace(PRESETS["office"], furniture=False, rough_chance=0.0)
+    offices = [made(plain, seed) for seed in range(64)]
     rooms = [int(office.rooms.max()) for office in offices]
     widths = [door.width_m for office in offices for door in office.doors]
     assert max(rooms) > 30

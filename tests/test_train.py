@@ -5,18 +5,19 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from vdoor.pipeline import Pipeline
-from vdoor.stages.door_model import DoorModel, Rough, model_named
+from vdoor.stages.door_model import Curve, Curves, DoorModel, Rough, model_named, table_of
 from vdoor.stages.features import FEATURES, FIRST
 from vdoor.synth import PRESETS, synthesize, write_synthetic
-from vdoor.train import RealDoors, default_pipeline, fitted_model, labelled_lessons, synthetic_lessons
+from vdoor.train import RealDoors, default_pipeline, fitted_model, labelled_lessons, mean_of, synthetic_lessons
 from vdoor.train.examples import Examples, examples, judged
-from vdoor.train.fit import fitted, hat_basis, knots_of
+from vdoor.train.fit import fitted, hat_basis, knots_of, mean_curves
 
 
 def door(unsure: bool = False) -> RealDoors:
@@ -81,6 +82,14 @@ def test_a_feature_for_clean_maps_alone_says_nothing_of_ragged_ones() -> None:
     assert (curves.says(feature, 1.0)[:, 0] == 0).all()
 
 
+def test_the_mean_lies_between_at_the_first_ones_knots() -> None:
+    one = Curves({"x": Curve((0.0, 2.0), (0.0, 4.0), (1.0, 1.0))}, -1.0, 0.5)
+    other = Curves({"x": Curve((1.0, 3.0), (2.0, 6.0), (0.0, 2.0))}, -2.0, 0.0)
+    curve = Curve((0.0, 2.0), (1.0, 4.0), (0.5, 1.0))
+    assert mean_curves([one, other]) == Curves({"x": curve}, -1.5, 0.25)
+    assert mean_curves([one]) == one
+
+
 def test_equal_seeds_give_equal_curves() -> None:
     def curves(seed: int) -> DoorModel:
         return fitted_model(lambda: synthetic_lessons(2, 1, seed), default_pipeline(), {})
@@ -107,13 +116,20 @@ def test_the_command_writes_curves_that_a_run_can_use(tmp_path: Path) -> None:
     curves = tmp_path / "curves.json"
     command = [str(Path(sys.executable).with_name("vdoor"))]
     done = subprocess.run(
-        [*command, "train", "-o", str(curves), "--homes", "3", "--offices", "1"],
+        [*command, "train", "-o", str(curves), "--homes", "3", "--offices", "1", "--rounds", "2"],
         capture_output=True, text=True, check=False,
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
-    assert "4 maps" in done.stdout
+    assert "8 maps" in done.stdout
     assert tuple(model_named(str(curves)).last.curves) == FEATURES
-    assert json.loads(curves.read_text())["made"]["command"] == "vdoor train --homes 3 --offices 1 --seed 0"
+    made = json.loads(curves.read_text())["made"]
+    assert made["command"] == "vdoor train --homes 3 --offices 1 --seed 0 --rounds 2"
+    rounds = [
+        fitted_model(partial(synthetic_lessons, 3, 1, seed), default_pipeline(), {"labelled_maps": 0})
+        for seed in (0, 1)
+    ]
+    assert made["examples"] == sum(one.made["examples"] for one in rounds)
+    assert table_of(model_named(str(curves))) == table_of(mean_of(rounds, made))
     again = subprocess.run(
         [*command, "train", "-o", str(curves), "--homes", "1"], capture_output=True, text=True, check=False
     )

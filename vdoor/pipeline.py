@@ -134,7 +134,7 @@ PRESETS: dict[str, AnyPipeline] = {
         ),
         doors=ProposeWideDoors(),
         score=ScoreDoors(),
-        cost=DoorEnergy(),
+        cost=DoorEnergy(further_bias=1.0),
         search=MemeticSearch(),
         certify=BoundEnergy(),
     ),

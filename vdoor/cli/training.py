@@ -18,6 +18,12 @@ def train(
     homes: Annotated[int, typer.Option(min=0, help="Synthetic homes.")] = 800,
     offices: Annotated[int, typer.Option(min=0, help="Synthetic office floors.")] = 400,
     seed: Seed = 0,
+    rounds: Annotated[
+        int,
+        typer.Option(
+            min=1, max=100, help="Fit so often, to synthetic maps of one seed after the other; take the mean."
+        ),
+    ] = 1,
     maps: Annotated[Path | None, typer.Option(metavar="DIR", help="Labelled maps of your own, as well.")] = None,
     reference: Annotated[Path | None, typer.Option(metavar="REF", help="Their truth, as for `vdoor evaluate`.")] = None,
     bare_map: Annotated[
@@ -28,6 +34,7 @@ def train(
     force: Force = False,
 ) -> None:
     """Fit the curves that score doors; use them with --set score.model=FILE.json."""
+    import functools
     import itertools
 
     from vdoor import train as training
@@ -41,7 +48,7 @@ def train(
     refuse_existing([output], force=force)
     pipeline = training.default_pipeline()
     made: dict[str, Any] = {
-        "command": f"vdoor train --homes {homes} --offices {offices} --seed {seed}",
+        "command": f"vdoor train --homes {homes} --offices {offices} --seed {seed} --rounds {rounds}",
         "labelled_maps": 0,
     }
     own: list[training.Lesson] = []
@@ -50,13 +57,17 @@ def train(
         made["labelled_maps"] = len(own)
         made["command"] += f" --maps {maps.name} --reference {reference.name} --weight {weight:g}"
 
-    def lessons() -> Iterator[training.Lesson]:
+    def lessons(seed: int) -> Iterator[training.Lesson]:
         for number, lesson in enumerate(itertools.chain(own, training.synthetic_lessons(homes, offices, seed)), 1):
             yield lesson
             if number % 50 == 0:
                 say(f"{number} maps")
 
-    model = training.fitted_model(lessons, pipeline, made)
+    models = []
+    for number in range(rounds):
+        say(f"round {number + 1} of {rounds}")
+        models.append(training.fitted_model(functools.partial(lessons, seed + number), pipeline, made))
+    model = training.mean_of(models, made)
     training.write_model(output, model)
     said, real = (model.made[name] for name in ("examples", "real_doors"))
-    print(f"{output}: {len(own) + homes + offices} maps, {said} virtual doors, {real} of them real")
+    print(f"{output}: {rounds * (len(own) + homes + offices)} maps, {said} virtual doors, {real} of them real")

@@ -39,10 +39,11 @@ def _energy(run: History, generation: int, cost: DoorEnergy) -> Iterator[Term]:
     found, problem = run.search[generation], run.problem
     kept = ~found.removed
     rooms, _ = problem.rooms(found.removed[None])
-    parting = kept & problem.parts_rooms(rooms)[0]
+    (parting,), (pairs,) = problem.parting(found.removed[None], rooms)
     says = Term("log-odds", -1.0, float(problem.log_odds[parting].sum() * LOG_ODDS_UNIT))
     doors = Term("parting doors", -cost.bias, int(parting.sum()))
+    further = Term("of them further ones", -cost.further_bias, int(parting.sum() - pairs))
     clashes = Term("clashes", cost.clash_weight, int((kept[problem.rivals[0]] & kept[problem.rivals[1]]).sum()))
-    rest = found.best_cost - says.cost - doors.cost - clashes.cost
+    rest = found.best_cost - says.cost - doors.cost - further.cost - clashes.cost
     yield Term("lack of area", cost.lack_weight, rest / cost.lack_weight if cost.lack_weight else 0.0, "rooms")
-    yield from (clashes, says, doors)
+    yield from (clashes, says, doors, further)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
@@ -11,10 +12,13 @@ from scipy.sparse import coo_array
 
 from vdoor.config import Within
 from vdoor.record import Record, Spec
+from vdoor.stages.blocks import Index, blocks
 from vdoor.stages.cost import DoorEnergy, MergeProblem
 from vdoor.stages.search import Generation
 
 EPSILON = 1e-6
+MOST_NODES = 1_000_000
+"""All choices of a block are tried up to so many nodes of the map in all of them."""
 
 
 class Certificate(Record):
@@ -26,8 +30,8 @@ class Certificate(Record):
     lower_bound: Annotated[float, Spec("number", tolerance=1e-6)]
     """No choice costs less."""
     gap: Annotated[float, Spec("number", tolerance=1e-6)]
-    """Log-odds between the two, 0 where the choice is optimal; the bound leaves out what kept doors' rooms lack, and
-    counts doors around which one can walk."""
+    """Log-odds between the two, 0 where the choice is optimal; where many doors depend on each other, the bound counts
+    those around which one can walk, and leaves out what their rooms lack."""
     optimal: Annotated[int, Spec("count")]
     """1 where that is proven."""
 
@@ -42,11 +46,11 @@ class NoProof:
 
 @dataclass(frozen=True, kw_only=True)
 class BoundEnergy:
-    """Bound the energy from below by the best choice of doors without rivals, whatever rooms they make, or part.
+    """Bound the energy from below, block by block of doors that depend on each other.
 
-    That is a maximum-weight independent set, solved as an integer programme. What rooms lack without any door they
-    always lack, and doors only ever add to it; no door saves more than what it gains where it parts rooms. So where
-    the choice found reaches the bound it is optimal.
+    Of a few doors all choices are tried. Of many, the best without rivals is found as an integer programme (a
+    maximum-weight independent set), as if each of them parted rooms, were a further one between them, and made none
+    that lacks area. So where the choice found reaches the bound it is optimal.
     """
 
     most_s: Annotated[float, Within(0.01, 3600)] = 10.0
@@ -56,21 +60,41 @@ class BoundEnergy:
         """The certificate of the choice; none where it was not the energy that was searched."""
         if not isinstance(problem.cost, DoorEnergy):
             return None
-        alone = problem.evaluate(np.ones((1, problem.edges), np.bool_)).cost[0]
-        bound = float(alone) - most_gain(problem, problem.cost.clash_weight, self.most_s)
+        nothing = float(problem.evaluate(np.ones((1, problem.edges), np.bool_)).cost[0])
+        few: list[Index] = []
+        many: list[Index] = [np.zeros(0, np.intp)]
+        for block in blocks(problem):
+            (few if 2 ** len(block) * len(problem.cells) <= MOST_NODES else many).append(block)
+        bound = nothing - gain_of_few(problem, few) - gain_of_many(problem, np.concatenate(many), self.most_s)
         gap = max(best.best_cost - bound, 0.0)
         return Certificate(
             cost=best.best_cost, lower_bound=bound, gap=gap, optimal=int(abs(best.best_cost - bound) <= EPSILON)
         )
 
 
-def most_gain(problem: MergeProblem, clash_weight: float, most_s: float) -> float:
-    """Greatest sum of what doors gain over all sets without rivals, or a bound above it."""
-    gain = np.maximum(problem.gain, 0.0)
+def gain_of_few(problem: MergeProblem, blocks: Iterable[Index]) -> float:
+    """Greatest sum of what doors save, over all choices from each of these blocks.
+
+    What their rooms lack counts: where other blocks' doors are kept as well the rooms are smaller, and lack more.
+    """
+    total = 0.0
+    for block in blocks:
+        removed = np.ones((2 ** len(block), problem.edges), np.bool_)
+        removed[:, block] = np.arange(len(removed))[::-1, None] >> np.arange(len(block)) & 1
+        cost = problem.evaluate(removed).cost
+        total += float(cost[0] - cost.min())  # the first choice is of no door
+    return total
+
+
+def gain_of_many(problem: MergeProblem, doors: Index, most_s: float) -> float:
+    """Greatest sum of what these doors gain over all sets without rivals, or a bound above it."""
+    assert isinstance(problem.cost, DoorEnergy)
+    gain = np.zeros(problem.edges)
+    gain[doors] = np.maximum(problem.gain[doors] + problem.cost.further_bias, 0.0)
     wanted = gain > 0
     pairs = problem.rivals[:, wanted[problem.rivals].all(axis=0)]
     # Only where a clash costs more than the lesser of both doors gains, no best choice keeps both.
-    pairs = pairs[:, gain[pairs].min(axis=0) <= clash_weight]
+    pairs = pairs[:, gain[pairs].min(axis=0) <= problem.cost.clash_weight]
     if not pairs.shape[1]:
         return float(gain.sum())
     row = np.tile(np.arange(pairs.shape[1]), 2)

@@ -19,6 +19,7 @@ from vdoor.stages.score import DoorScores
 
 Bits = NDArray[np.bool_]
 Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
 Number = Any  # a number, or an array (p,) of them
 
 # Tilts are summed as whole numbers of this many square degrees, so that sums do not depend on their order.
@@ -65,11 +66,17 @@ class DoorEnergy:
     """Room threshold T."""
     lack_weight: Annotated[float, Within(0, 1e6)] = 1.5
     """Log-odds that a room of no area would cost; one of half the threshold costs half as much."""
-    lack_weight_rough: Annotated[float, Within(0, 1e6)] = 4.0
+    lack_weight_rough: Annotated[float, Within(0, 1e6)] = 6.0
     """The same on ragged maps, where furniture makes rooms that are none."""
-    bias: Annotated[float, Within(-100, 100)] = 0.25
+    bias: Annotated[float, Within(-100, 100)] = 0.2
     """Added to the log-odds of each door: above 0 more doors are kept."""
     bias_rough: Annotated[float, Within(-100, 100)] = 0.7
+    """The same on ragged maps."""
+    further_bias: Annotated[float, Within(0, 100)] = 0.0
+    """Added as well for each further door between the same two rooms: the first has told that they are two. Of the
+    virtual doors that the curves are fitted to, one in three or four is real, so about 1 of what speaks against each
+    speaks against there being two rooms at all, and should be counted once."""
+    further_bias_rough: Annotated[float, Within(0, 100)] = 0.0
     """The same on ragged maps."""
     clash_weight: Annotated[float, Within(0, 1e6)] = 100.0
     """Per pair of rivals of which both are kept."""
@@ -78,7 +85,16 @@ class DoorEnergy:
         """The energy with the weights of a map that is so ragged."""
         lack = self.lack_weight * (1 - share_rough) + self.lack_weight_rough * share_rough
         bias = self.bias * (1 - share_rough) + self.bias_rough * share_rough
-        return replace(self, lack_weight=lack, lack_weight_rough=lack, bias=bias, bias_rough=bias)
+        further = self.further_bias * (1 - share_rough) + self.further_bias_rough * share_rough
+        return replace(
+            self,
+            lack_weight=lack,
+            lack_weight_rough=lack,
+            bias=bias,
+            bias_rough=bias,
+            further_bias=further,
+            further_bias_rough=further,
+        )
 
     def __call__(self, totals: Totals, sqrt: Callable[[Any], Any]) -> Costs:
         """Energy, and eq. 7's terms for comparison, from sums over rooms and doors."""
@@ -87,6 +103,7 @@ class DoorEnergy:
             self.lack_weight * totals.lacking_m2 / max(self.room_m2, 1e-9)
             + self.clash_weight * totals.clashes
             - (totals.log_odds + self.bias * totals.separating)
+            - self.further_bias * (totals.separating - totals.pairs)
         )
         return terms._replace(cost=energy)
 
@@ -104,6 +121,8 @@ class Totals(NamedTuple):
     """What rooms lack of the room threshold, summed over the smaller ones."""
     separating: Number
     """Kept doors that part rooms; 0 but for the energy."""
+    pairs: Number
+    """Pairs of rooms that they part."""
     log_odds: Number
     """Summed over those; 0 where doors have no scores."""
     clashes: Number
@@ -181,16 +200,23 @@ class MergeProblem:
         _, room = connected_components(graph, directed=False)
         return room.reshape(choices, count).astype(np.intp, copy=False), is_open
 
-    def parts_rooms(self, room: NDArray[np.intp]) -> Bits:
-        """Which doors (p, edges) have several rooms around them, where nodes (p, nodes) are of these rooms.
+    def parting(self, removed: Bits, room: NDArray[np.intp]) -> tuple[Bits, Ints]:
+        """Which kept doors (p, edges) have several rooms around them, and how many pairs of rooms (p,) they part.
 
-        None where the cost does not ask: it matters to the energy alone.
+        `room` (p, nodes) is from `rooms`. A door with more than two rooms around it counts as a pair of its own. None
+        part any where the cost does not ask: it matters to the energy alone.
         """
         if not (self.asks_what_parts and self.edges):
-            return np.zeros((len(room), self.edges), np.bool_)
+            return np.zeros(removed.shape, np.bool_), np.zeros(len(removed), np.int64)
         beside = room[:, self.border_region]
-        least = np.minimum.reduceat(beside, self.border_start, axis=1)
-        return np.asarray(least != np.maximum.reduceat(beside, self.border_start, axis=1))
+        lowest, highest = (end.reduceat(beside, self.border_start, axis=1) for end in (np.minimum, np.maximum))
+        regions = np.diff(np.append(self.border_start, len(self.border_region)))
+        between = (beside > np.repeat(lowest, regions, axis=1)) & (beside < np.repeat(highest, regions, axis=1))
+        parts = ~removed & (lowest != highest)
+        several = parts & np.logical_or.reduceat(between, self.border_start, axis=1)
+        choice, door = np.nonzero(parts & ~several)
+        pair = np.unique(np.stack([choice, lowest[choice, door], highest[choice, door]]), axis=1)
+        return parts, several.sum(axis=1) + np.bincount(pair[0], minlength=len(removed))
 
     def evaluate(self, removed: Bits) -> Costs:
         """Eq. 7 of each choice (p, edges); bit 1 = door removed. Memory is bounded however many there are."""
@@ -214,7 +240,7 @@ class MergeProblem:
             )
 
         kept = ~removed
-        separating = kept & self.parts_rooms(room)
+        separating, pairs = self.parting(removed, room)
         return self.cost(
             Totals(
                 rooms=total(np.ones(len(cells))).astype(np.int64),
@@ -225,6 +251,7 @@ class MergeProblem:
                 tilt_squared_deg2=(kept * self.tilt).sum(axis=1) * TILT_UNIT_DEG2,
                 lacking_m2=total(np.maximum(self.threshold_cells - cells, 0)) * self.cell_m2,
                 separating=separating.sum(axis=1),
+                pairs=pairs,
                 log_odds=(separating * self.log_odds).sum(axis=1) * LOG_ODDS_UNIT,
                 clashes=(kept[:, self.rivals[0]] & kept[:, self.rivals[1]]).sum(axis=1),
             ),

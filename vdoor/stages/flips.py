@@ -41,7 +41,10 @@ class FlipState:
         # kept doors, their squared tilts and clashes; those that part rooms, and their log-odds
         self.doors = [problem.edges, sum(self.tilt), problem.rivals.shape[1], 0, 0]
         self.regions_of, self.edges_of = _borders(problem)
-        self.separates = [False] * problem.edges
+        self.parts: list[frozenset[int] | int | None] = [None] * problem.edges
+        """The two rooms around each kept door, its own number where there are more, none where there is one."""
+        self.pairs: dict[frozenset[int] | int, int] = {}
+        """By how many kept doors each pair of rooms is parted."""
         self._next_room = 0
         self._add_rooms([node for node in range(len(self.cells)) if not self.kept_doors[node]])
         for edge in range(problem.edges):
@@ -116,11 +119,19 @@ class FlipState:
 
     def _judge(self, edge: int) -> None:
         """Count a door among those that part rooms, or no longer."""
-        now = not self.removed[edge] and len({self.room_of[region] for region in self.regions_of[edge]}) > 1
-        if now != self.separates[edge]:
-            self.separates[edge] = now
-            self.doors[3] += 1 if now else -1
-            self.doors[4] += self.log_odds[edge] if now else -self.log_odds[edge]
+        rooms = frozenset(self.room_of[region] for region in self.regions_of[edge])
+        now = None if len(rooms) < 2 or self.removed[edge] else rooms if len(rooms) == 2 else edge  # noqa: PLR2004
+        before = self.parts[edge]
+        if now == before:
+            return
+        self.parts[edge] = now
+        for pair, change in ((before, -1), (now, 1)):
+            if pair is not None:
+                self.doors[3] += change
+                self.doors[4] += change * self.log_odds[edge]
+                self.pairs[pair] = self.pairs.get(pair, 0) + change
+                if not self.pairs[pair]:
+                    del self.pairs[pair]
 
     def _take_rooms(self, rooms: Iterable[int]) -> list[int]:
         """Remove rooms from the sums and return their nodes."""
@@ -174,6 +185,7 @@ class FlipState:
             self.doors[1] * TILT_UNIT_DEG2,
             lacking * cell_m2,
             self.doors[3],
+            len(self.pairs),
             self.doors[4] * LOG_ODDS_UNIT,
             self.doors[2],
         )

@@ -68,7 +68,7 @@ class NoScores:
 class ScoreDoors:
     """Score the proposed doors, once more with the surest of them shut, and name those that exclude each other."""
 
-    least_log_odds: Annotated[float, Within(-100, 100)] = -4.0
+    least_log_odds: Annotated[float, Within(-100, 100)] = -6.0
     """Less likely doors are left out of the search. An unlikely one may still close the last gap beside likely ones."""
     same_place_m: Annotated[float, Within(0, 5)] = 0.25
     """Of two doors whose middles are nearer than this only the likelier is searched."""

@@ -19,6 +19,9 @@ CLEARANCE = tuple(f"clear_{reach_m:g}_{which}_m" for reach_m in CLEARANCE_REACHE
 """Features that look into the space before and behind a door."""
 FAR_M = 3.0
 """Farther away nothing is looked at."""
+UNSEEN = 1.5
+"""Cells by which two looks, to the left and to the right, fall short of the way between the cells that end them: half
+of one in either, and on average a quarter, as looks go by half cells. Doors are measured between such cells."""
 
 
 def space_beside(open_: Padded, door: Segments) -> dict[str, Floats]:
@@ -30,7 +33,7 @@ def space_beside(open_: Padded, door: Segments) -> dict[str, Floats]:
             inside = open_.at(*point.T).astype(np.bool_)
             width = looks(open_, point, door.along, FAR_M / door.cell_m)
             width += looks(open_, point, -door.along, FAR_M / door.cell_m)
-            wider[away_m, name] = np.where(inside, width, 0.0) * door.cell_m - door.length_m
+            wider[away_m, name] = np.where(inside, width + UNSEEN, 0.0) * door.cell_m - door.length_m
     depth = np.stack([looks(open_, door.middle, s * door.normal, FAR_M / door.cell_m) for s in (-1, 1)]) * door.cell_m
     return {
         "wider_min_m": np.minimum(wider[0.4, "l"], wider[0.4, "r"]),

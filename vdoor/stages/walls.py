@@ -32,7 +32,7 @@ def in_wall(free: Mask, door: Segments) -> dict[str, Floats]:
         inside = point + sign * door.along * (0.1 / door.cell_m)
         set_ = solid.at(*inside.T).astype(np.bool_)
         sides = [looks(solid, inside, s * door.normal, 0.5 / door.cell_m) for s in (-1, 1)]
-        thick.append(np.where(set_, sides[0] + sides[1], 0.0))
+        thick.append(np.where(set_, sides[0] + sides[1] + 1, 0.0))  # and the cell from which one looks
     both = np.stack(thick)
     return {
         "in_wall_min_m": on.min(axis=0) * door.cell_m,

@@ -42,7 +42,7 @@ class ProposeWideDoors:
 
     pair_m: Annotated[float, Within(0, 20)] = 2.6
     """Longest door between two corners."""
-    single_m: Annotated[float, Within(0, 20)] = 2.2
+    single_m: Annotated[float, Within(0, 20)] = 2.3
     """Longest door from a corner to a boundary."""
     extension_m: Annotated[float, Within(0, 20)] = 3.2
     """Longest door along the line of a wall that ends in a corner."""

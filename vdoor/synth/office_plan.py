@@ -8,20 +8,19 @@ import numpy as np
 
 from vdoor.synth.layout import Gap, Layout, fine
 from vdoor.synth.office_doors import add_doors, close_corridors
+from vdoor.synth.office_halls import divide_hall, end_hall, open_hall, put_screens
 from vdoor.synth.office_settings import Office
 from vdoor.synth.office_sketch import Sketch
 from vdoor.synth.plan import Axis, Rect
 
 MARGIN_M = 1.0
 CUBICLE_M = (2.0, 3.6)
-CUBICLE_GAP_M = (0.9, 2.0)
-BLOCK_M, BLOCK_GAP_M = (0.1, 0.8), (0.6, 1.5)
-"""Thickness of what parts a hall, and the openings left in it."""
+CUBICLE_GAP_M = (0.9, 2.4)
 JAMB_M, FLUSH_M = (0.1, 0.45), (0.0, 0.05)
 """Wall left beside doors near a corner."""
 BETWEEN_M = (5.5, 15.0)
 """Depth of what lies between two corridors."""
-INSIDE = (("two rows", 0.4), ("one row", 0.15), ("halls", 0.15), ("open", 0.08), ("cubicles", 0.12), ("yard", 0.15))
+INSIDE = (("two rows", 0.4), ("one row", 0.15), ("halls", 0.2), ("open", 0.04), ("cubicles", 0.16), ("yard", 0.15))
 """What lies between corridors, and how often."""
 
 
@@ -33,9 +32,10 @@ def draw_office_plan(settings: Office, rng: np.random.Generator) -> Layout:
     _arrange(sketch)
     for hall in sketch.halls:
         if sketch.chance(settings.divided_hall_chance):
-            _divide_hall(sketch, hall)
+            divide_hall(sketch, hall)
     add_doors(sketch)
     close_corridors(sketch)
+    put_screens(sketch)
     floors = sketch.corridors + sketch.rooms + sketch.halls
     far = [max(floor.high[k] for floor in floors) + MARGIN_M for k in (0, 1)]
     return _upright_or_not(
@@ -82,7 +82,8 @@ def _arrange(sketch: Sketch) -> None:
         edges = [ends[0] - wall, *(edge for x, width in crossing for edge in (x, x + width)), ends[1] + wall]
         for left, right in zip(edges[::2], edges[1::2], strict=True):
             if right - left > 2 * wall + 1.5:  # a room fits
-                _fill(sketch, Rect((left + wall, lower.high[1] + wall), (right - wall, upper.low[1] - wall)))
+                block = Rect((left + wall, lower.high[1] + wall), (right - wall, upper.low[1] - wall))
+                _fill(sketch, block, (lower, upper))
     for bottom, depth in ((MARGIN_M, below), (mains[-1].high[1] + wall, above)):
         _outer_row(sketch, Rect((low, bottom), (high, bottom + depth)), 0)
     if count > 1:
@@ -97,7 +98,7 @@ def _beyond_ends(sketch: Sketch, outer: tuple[float, float], ends: tuple[float, 
             continue
         column = Rect((left, mains[0].low[1]), (right, mains[-1].high[1]))
         if sketch.chance(sketch.settings.end_hall_chance):
-            _end_hall(sketch, column, mains, mouth)
+            end_hall(sketch, column, mains, mouth)
         else:
             _outer_row(sketch, column, 1)
 
@@ -150,7 +151,7 @@ def _part_crossings(sketch: Sketch, mains: list[Rect], crossing: list[tuple[floa
             for low in (lower.high[1], fine(upper.low[1] - sketch.wall_m)):
                 mouth = Rect((x, low), (fine(x + width), fine(low + sketch.wall_m)))
                 sketch.solids.append(mouth)
-                sketch.gaps.append(Gap(mouth, 1, leaf=False, unsure=width >= sketch.settings.unsure_from_m))
+                sketch.open_mouth(mouth, 1)
 
 
 def _with_anteroom(sketch: Sketch, room: Rect, across: Axis) -> list[Rect]:
@@ -164,32 +165,6 @@ def _with_anteroom(sketch: Sketch, room: Rect, across: Axis) -> list[Rect]:
     ]
 
 
-def _end_hall(sketch: Sketch, column: Rect, mains: list[Rect], mouth: float) -> None:
-    """Add a hall that the main corridors run into, in all their width."""
-    sketch.halls.append(column)
-    for main in mains:
-        rect = Rect((mouth, main.low[1]), (fine(mouth + sketch.wall_m), main.high[1]))
-        sketch.gaps.append(Gap(rect, 0, leaf=False, unsure=main.sides[1] >= sketch.settings.unsure_from_m))
-
-
-def _divide_hall(sketch: Sketch, hall: Rect) -> None:
-    """Part a hall by a row of blocks with openings between them, through all of which one can walk."""
-    rng = sketch.rng
-    along: Axis = 0 if hall.sides[0] < hall.sides[1] else 1
-    across: Axis = 1 if along == 0 else 0
-    at = fine(hall.low[across] + hall.sides[across] * rng.uniform(0.3, 0.7))
-    row = hall.spanning(across, at, fine(at + rng.uniform(*BLOCK_M)))
-    count = int(rng.integers(1, 4))
-    share = hall.sides[along] / count
-    if share < BLOCK_GAP_M[1] + 1.0:
-        return
-    sketch.solids.append(row)
-    for k in range(count):
-        width = fine(rng.uniform(*BLOCK_GAP_M))
-        low = fine(row.low[along] + k * share + rng.uniform(0.1, share - width - 0.1))
-        sketch.gaps.append(Gap(row, across).in_wall(low, width, leaf=False))
-
-
 def _outer_row(sketch: Sketch, rect: Rect, along: Axis) -> None:
     """Add a row of rooms along the outer wall, in some floors without part of it."""
     rooms = _row(sketch, rect, along)
@@ -201,8 +176,8 @@ def _outer_row(sketch: Sketch, rect: Rect, along: Axis) -> None:
     sketch.rooms += rooms
 
 
-def _fill(sketch: Sketch, block: Rect) -> None:
-    """Put something between the corridors that surround a block."""
+def _fill(sketch: Sketch, block: Rect, mains: tuple[Rect, Rect]) -> None:
+    """Put something into a block between corridors, of which the main ones lie below and above."""
     rng, wall = sketch.rng, sketch.wall_m
     shares = np.array([share for _, share in INSIDE])
     kind = INSIDE[int(rng.choice(len(INSIDE), p=shares / shares.sum()))][0]
@@ -216,7 +191,12 @@ def _fill(sketch: Sketch, block: Rect) -> None:
     elif kind == "halls":
         pieces = max(1, round(block.sides[0] / rng.uniform(8.0, 16.0)))
         edges = np.linspace(block.low[0], block.high[0] + wall, pieces + 1)
-        sketch.halls += [block.spanning(0, fine(a), fine(b) - wall) for a, b in itertools.pairwise(edges.tolist())]
+        halls = [block.spanning(0, fine(a), fine(b) - wall) for a, b in itertools.pairwise(edges.tolist())]
+        for hall in halls:
+            if sketch.chance(sketch.settings.open_hall_chance):
+                open_hall(sketch, hall, mains)
+            else:
+                sketch.halls.append(hall)
     elif kind in ("open", "cubicles"):
         sketch.corridors.append(block.grown(wall, wall))
         if kind == "cubicles":
@@ -230,7 +210,7 @@ def _cubicles(sketch: Sketch, area: Rect) -> None:
     rng = sketch.rng
     wide, deep = (fine(rng.uniform(*CUBICLE_M)) for _ in range(2))
     screen, gap = fine(rng.uniform(0.075, 0.15)), fine(min(rng.uniform(*CUBICLE_GAP_M), wide - 0.3))
-    aisle = rng.uniform(1.3, 2.2)
+    aisle = rng.uniform(1.1, 2.2)
     y = fine(area.low[1])
     while y + deep + 2 * screen < area.high[1]:
         double = y + 2 * deep + 3 * screen < area.high[1] and sketch.chance(0.7)

@@ -50,8 +50,12 @@ class Office:
     """Chance of a floor whose cross corridors are parted from the main ones where they meet."""
     end_hall_chance: float = 0.5
     """Chance that what lies beyond the corridors' end is a hall they run into, not a column of rooms."""
-    divided_hall_chance: float = 0.3
+    open_hall_chance: float = 0.5
+    """Chance that a hall between corridors takes one in, or both, as where a corridor widens."""
+    divided_hall_chance: float = 0.4
     """Chance that a hall is parted by a row of blocks with openings between them."""
+    screen_chance: float = 0.3
+    """Chance that a large room has a short wall in it, free or from a wall on, that parts nothing."""
     anteroom_chance: float = 0.08
     """Chance that a room is divided in two, one behind the other."""
     notch_chance: float = 0.45
@@ -105,6 +109,8 @@ BOUNDS: Mapping[str, tuple[float, float]] = MappingProxyType(
                 "anteroom_chance",
                 "end_hall_chance",
                 "divided_hall_chance",
+                "screen_chance",
+                "open_hall_chance",
                 "notch_chance",
                 "flush_chance",
                 "mouth_chance",

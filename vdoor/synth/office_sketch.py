@@ -8,7 +8,7 @@ import numpy as np
 
 from vdoor.synth.layout import Gap, fine
 from vdoor.synth.office_settings import Office
-from vdoor.synth.plan import Rect
+from vdoor.synth.plan import Axis, Rect
 
 
 @dataclass
@@ -32,6 +32,13 @@ class Sketch:
     def between(self, name: str) -> float:
         """Draw one of the settings that come as `_min_m` and `_max_m`, on the fine raster."""
         return fine(self.rng.uniform(getattr(self.settings, f"{name}_min_m"), getattr(self.settings, f"{name}_max_m")))
+
+    def open_mouth(self, rect: Rect, axis: Axis) -> None:
+        """Let a corridor end in an opening of all its width, unless it does so there; `axis` is the corridor's."""
+        width_m = rect.sides[1 - axis]
+        if any(gap.rect.grown(0.01, 0.01).holds(rect) for gap in self.gaps):
+            return
+        self.gaps.append(Gap(rect, axis, leaf=False, unsure=width_m >= self.settings.unsure_from_m))
 
     def chance(self, share: float) -> bool:
         """Whether something of that chance happens."""

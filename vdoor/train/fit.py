@@ -39,6 +39,33 @@ def fitted_model(lessons: Callable[[], Iterable[Lesson]], pipeline: Pipeline, ma
     )
 
 
+def mean_of(models: Sequence[DoorModel], made: dict[str, Any]) -> DoorModel:
+    """The mean of models fitted to different maps: which near calls it makes is left less to chance."""
+    counts = {name: sum(model.made[name] for model in models) for name in ("examples", "real_doors")}
+    return DoorModel(
+        mean_curves([model.first for model in models]),
+        mean_curves([model.last for model in models]),
+        models[0].rough,
+        {**made, **counts},
+    )
+
+
+def mean_curves(looks: Sequence[Curves]) -> Curves:
+    """The mean of several models' curves for one look; each bends where the first model's does."""
+    curves = {}
+    for name, curve in looks[0].curves.items():
+        same = [look.curves[name] for look in looks]
+        clean = np.mean([np.interp(curve.at, one.at, one.clean) for one in same], axis=0)
+        rough = np.mean([np.interp(curve.at, one.at, one.rough) for one in same], axis=0)
+        curves[name] = Curve(curve.at, short(clean), short(rough))
+    return Curves(curves, *short(np.mean([(look.bias_clean, look.bias_rough) for look in looks], axis=0)))
+
+
+def short(values: Floats) -> tuple[float, ...]:
+    """Log-odds as they are written: with four places."""
+    return tuple(float(f"{value:.4f}") for value in values)
+
+
 def fitted(
     data: Sequence[Examples],
     names: Sequence[str],
@@ -76,11 +103,11 @@ def fitted(
     curves = {
         name: Curve(
             tuple(float(f"{x:.4g}") for x in at),
-            *(tuple(float(f"{x:.4f}") for x in side[low : low + len(at)]) for side in (clean, rough)),
+            *(short(side[low : low + len(at)]) for side in (clean, rough)),
         )
         for name, at, low in zip(names, knots, begin[:-1], strict=True)
     }
-    return Curves(curves, round(float(found[-2]), 4), round(float(found[-1]), 4))
+    return Curves(curves, *short(found[-2:]))
 
 
 def likeliest(basis: Floats, real: Floats, weight: Floats, holding: Floats) -> Floats:

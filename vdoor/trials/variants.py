@@ -49,6 +49,7 @@ VARIANTS = (
     ),
     Variant(name="one look", settings={"score": {"sure_log_odds": NO_DOOR_LOG_ODDS}}),
     Variant(name="no room term", settings={"cost": {"lack_weight": 0.0, "lack_weight_rough": 0.0}}),
+    Variant(name="further doors count alike", settings={"cost": {"further_bias": 0.0, "further_bias_rough": 0.0}}),
     Variant(name="greedy choice", settings={"search": {"generations": 0}}),
     Variant(name="cells of 20 cm", settings={"simplify": {"cell_m": 0.2}}),
     Variant(name="preset paper", preset="paper"),
