@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import dataclasses
 import itertools
 
@@ -52,11 +53,11 @@ def floors(draw: st.DrawFn, most: int = 3) -> Cells:
     return cells
 
 
-def weighing(problem: MergeProblem, **weights: float) -> MergeProblem:
-    """The same choice with other weights of the energy."""
+def weighing(problem: MergeProblem, *, further_bias: float, lack_weight: float = 0.0) -> MergeProblem:
+    """The same choice with other weights of the energy, of which the problem keeps nothing but the energy itself."""
     assert isinstance(problem.cost, DoorEnergy)
-    changed = MergeProblem.__new__(MergeProblem)
-    changed.__dict__.update(problem.__dict__, cost=dataclasses.replace(problem.cost, **weights))
+    changed = copy.copy(problem)
+    changed.cost = dataclasses.replace(problem.cost, further_bias=further_bias, lack_weight=lack_weight)
     return changed
 
 
@@ -66,7 +67,7 @@ def parts(problem: MergeProblem, removed: np.ndarray[tuple[int], np.dtype[np.boo
 
 
 def test_of_two_doors_between_the_same_rooms_one_counts_as_a_further_one() -> None:
-    problem = weighing(problem_of(parted_by_two()), lack_weight=0.0)
+    problem = weighing(problem_of(parted_by_two()), further_bias=0.0)
     both = next(
         removed
         for one, other in itertools.combinations(range(problem.edges), 2)
@@ -82,7 +83,7 @@ def test_of_two_doors_between_the_same_rooms_one_counts_as_a_further_one() -> No
 @law
 @given(floors(), seeds)
 def test_flips_and_whole_choices_count_further_doors_alike(cells: Cells, seed: int) -> None:
-    problem = weighing(problem_of(cells), further_bias=0.7)
+    problem = weighing(problem_of(cells), further_bias=0.7, lack_weight=1.5)
     assume(0 < problem.edges <= 60)
     rng = np.random.default_rng(seed)
     state = FlipState(problem, np.flatnonzero(rng.random(problem.edges) < 0.5).tolist())
@@ -94,7 +95,7 @@ def test_flips_and_whole_choices_count_further_doors_alike(cells: Cells, seed: i
 @law
 @given(floors(), seeds)
 def test_what_doors_part_and_cost_depends_on_their_own_block(cells: Cells, seed: int) -> None:
-    problem = weighing(problem_of(cells), lack_weight=0.0, further_bias=1.5)
+    problem = weighing(problem_of(cells), further_bias=1.5)
     assume(1 < problem.edges <= 60)
     removed = np.random.default_rng(seed).random(problem.edges) < 0.4
     whole, together = parts(problem, removed), 0.0

@@ -241,18 +241,17 @@ def test_flips_and_whole_choices_have_one_energy(cells: Cells, seed: int) -> Non
     assert state.cost == problem.evaluate(np.array([state.removed])).cost[0]
 
 
-def small_problem(seed: int) -> MergeProblem:
-    """A home's choice with few doors."""
+def problem_of_home(seed: int) -> MergeProblem:
+    """A home's choice."""
     made = synthesize(KINDS_OF_MAPS["home"], np.random.default_rng(seed))
     found = records_of(made.grid.cells)
-    return MergeProblem(found[InitialMap], DoorEnergy(), found[DoorScores])
+    return MergeProblem(found[InitialMap], DEFAULT.cost, found[DoorScores])
 
 
-@pytest.mark.parametrize("seed", range(14))
+@pytest.mark.parametrize("seed", [8, 15, 28, 29, 30, 31, 39])
 def test_the_search_finds_the_optimum_and_the_bound_lies_below_it(seed: int) -> None:
-    problem = small_problem(seed)
-    if problem.edges > MOST_DOORS:
-        pytest.skip(f"{problem.edges} doors are too many to try every choice")
+    problem = problem_of_home(seed)
+    assert 8 <= problem.edges <= MOST_DOORS  # so many that every choice can be tried
     optimum = float(problem.evaluate(all_choices(problem.edges)).cost.min())
     best = list(MemeticSearch()(problem, np.random.default_rng(seed)))[-1]
     certificate = BoundEnergy()(problem, best)
@@ -275,7 +274,7 @@ def test_the_bound_holds_where_clashes_are_cheap(clash_weight: float) -> None:
 
 
 def test_the_search_never_gets_worse_and_keeps_no_rivals() -> None:
-    problem = small_problem(11)
+    problem = problem_of_home(11)
     generations = list(MemeticSearch()(problem, np.random.default_rng(0)))
     costs = [generation.best_cost for generation in generations]
     assert costs == sorted(costs, reverse=True)
@@ -431,7 +430,7 @@ def test_shut_rooms_are_kept_and_hollow_furniture_is_not() -> None:
 
 
 def test_equal_seeds_give_equal_generations() -> None:
-    problem = small_problem(5)
+    problem = problem_of_home(5)
     once, again = ([g.best_cost for g in MemeticSearch()(problem, np.random.default_rng(7))] for _ in range(2))
     assert once == again
 
