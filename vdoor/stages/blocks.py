@@ -24,10 +24,9 @@ def blocks(problem: MergeProblem) -> list[Index]:
     """
     touching = _touching(problem)
     group = components(np.concatenate([touching, problem.rivals], axis=1), problem.edges)
-    edge = np.repeat(np.arange(problem.edges), np.diff(np.append(problem.border_start, len(problem.border_region))))
     # Regions count from 0 on, groups from -1 downwards.
     graph: Graph[int] = Graph()
-    graph.add_edges_from(zip(problem.border_region.tolist(), (-1 - group[edge]).tolist(), strict=True))
+    graph.add_edges_from(zip(problem.border_region.tolist(), (-1 - group[problem.border_edge]).tolist(), strict=True))
     together = []
     # Vertices, whatever the stubs of networkx say.
     for component in cast("Iterator[set[int]]", biconnected_components(graph)):

@@ -167,7 +167,9 @@ class MergeProblem:
         """Whether the cost counts the doors that part rooms."""
         self.border_region = initial.border_region
         """Regions that each edge borders, flat; `border_start` (edges,) says where they begin."""
-        self.border_start = np.searchsorted(initial.border_edge, np.arange(self.edges))
+        self.border_edge = initial.border_edge
+        """The edge of each of them."""
+        self.border_start = np.searchsorted(self.border_edge, np.arange(self.edges))
         self.gain = self.log_odds * LOG_ODDS_UNIT + bias
         """What keeping each door (edges,) saves, room terms aside; of use with scores only."""
         self.worst_first = np.lexsort(worst)[::-1] if scores is None else np.argsort(self.log_odds, kind="stable")
@@ -210,8 +212,7 @@ class MergeProblem:
             return np.zeros(removed.shape, np.bool_), np.zeros(len(removed), np.int64)
         beside = room[:, self.border_region]
         lowest, highest = (end.reduceat(beside, self.border_start, axis=1) for end in (np.minimum, np.maximum))
-        regions = np.diff(np.append(self.border_start, len(self.border_region)))
-        between = (beside > np.repeat(lowest, regions, axis=1)) & (beside < np.repeat(highest, regions, axis=1))
+        between = (beside > lowest[:, self.border_edge]) & (beside < highest[:, self.border_edge])
         parts = ~removed & (lowest != highest)
         several = parts & np.logical_or.reduceat(between, self.border_start, axis=1)
         choice, door = np.nonzero(parts & ~several)
