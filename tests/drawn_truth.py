@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from collections import Counter
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
 from vdoor.synth import SyntheticMap, TrueDoor
+
+SOLID: dict[str, Any] = {"hollow_chance": 0.0, "dashed_chance": 0.0, "antialiased_chance": 0.0}
+"""No home or office has walls that are drawn otherwise."""
 
 
 def contacts(rooms: NDArray[np.int32]) -> Counter[tuple[int, int]]:

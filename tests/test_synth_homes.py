@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from drawn_truth import cells_on, contacts, reached, touch_near
+from drawn_truth import SOLID, cells_on, contacts, reached, touch_near
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import ndimage
@@ -20,6 +20,7 @@ HOME = PRESETS["home"]
 PERFECT = Home(
     furniture=False, shafts=0.0, windows=0.0, holes_chance=0.0, rough_chance=0.0, corners_chance=0.0,
     unknown_max=0.0, pockets_chance=0.0, left_out_chance=0.0, leaf_chance=0.0, niche_chance=0.0, specks=0.0,
+    hollow_chance=0.0, dashed_chance=0.0, antialiased_chance=0.0,
 )  # fmt: skip
 """As built: nothing inside, everything seen."""
 OFTEN = dataclasses.replace(
@@ -38,7 +39,7 @@ def made(kind: Home, seed: int) -> SyntheticMap:
 @law
 @given(kind=kinds, seed=seeds)
 def test_labels_cover_what_is_free_and_in_reach_and_nothing_else(kind: Home, seed: int) -> None:
-    home = made(kind, seed)
+    home = made(dataclasses.replace(kind, **SOLID), seed)
     np.testing.assert_array_equal(home.rooms > 0, reached(home))
     assert ndimage.label(home.rooms > 0)[1] == 1
     assert set(np.unique(home.rooms[home.rooms > 0])) == set(range(1, home.rooms.max() + 1))
@@ -154,8 +155,10 @@ def test_unsure_openings_are_written_as_such_and_sure_doors_as_ever(tmp_path: Pa
     [
         ({"door_min_m": 0.2}, "Home.door_min_m: wanted 0.5 to 1.2, found 0.2"),
         ({"door_min_m": 1.0, "door_max_m": 0.8}, "Home.door_max_m: wanted at least door_min_m = 1, found 0.8"),
-        ({"wall_min_m": 0.05}, "Home.wall_min_m: wanted 0.075 to 0.4, found 0.05"),
+        ({"wall_min_m": 0.05}, "Home.wall_min_m: wanted 0.075 to 0.6, found 0.05"),
         ({"area_min_m2": float("nan")}, "area_min_m2: wanted 8 to 1000, found nan"),
+        ({"dashed_chance": -0.1}, "Home.dashed_chance: wanted 0 to 1, found -0.1"),
+        ({"hollow_wall_min_m": 0.5, "hollow_wall_max_m": 0.3}, "hollow_wall_max_m: wanted at least hollow_wall_min_m"),
         ({"leaf_chance": 1.5}, "leaf_chance: wanted 0 to 1, found 1.5"),
     ],
 )

@@ -6,7 +6,7 @@ import dataclasses
 
 import numpy as np
 import pytest
-from drawn_truth import cells_on, contacts, reached, touch_near
+from drawn_truth import SOLID, cells_on, contacts, reached, touch_near
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import ndimage
@@ -16,7 +16,7 @@ from vdoor.synth import PRESETS, Office, SyntheticMap, synthesize
 from vdoor.synth.office_halls import BLOCK_GAP_M
 
 SMALL = dataclasses.replace(PRESETS["office"], length_min_m=12.0, length_max_m=24.0)
-PLAIN = dataclasses.replace(SMALL, furniture=False, rough_chance=0.0)
+PLAIN = dataclasses.replace(SMALL, furniture=False, rough_chance=0.0, **SOLID)
 FULL = dataclasses.replace(SMALL, furnished_chance=1.0, rough_chance=1.0, corridor_door_chance=1.0)
 
 seeds = st.integers(0, 2**32 - 1)
@@ -31,7 +31,7 @@ def made(kind: Office, seed: int) -> SyntheticMap:
 @law
 @given(kind=kinds, seed=seeds)
 def test_labels_cover_what_is_free_and_in_reach_and_nothing_else(kind: Office, seed: int) -> None:
-    office = made(kind, seed)
+    office = made(dataclasses.replace(kind, **SOLID), seed)
     np.testing.assert_array_equal(office.rooms > 0, reached(office))
     assert ndimage.label(office.rooms > 0)[1] == 1
     assert set(np.unique(office.rooms[office.rooms > 0])) == set(range(1, office.rooms.max() + 1))
@@ -122,6 +122,8 @@ def test_the_same_seed_gives_the_same_bytes_and_another_seed_others() -> None:
     [
         ({"corridors_max": 0}, "Office.corridors_max: wanted 1 to 12, found 0"),
         ({"length_min_m": 50.0}, "Office.length_max_m: wanted at least length_min_m = 50, found 48"),
+        ({"dash_gap_max_m": 0.5}, "Office.dash_gap_max_m: wanted 0 to 0.3, found 0.5"),
+        ({"hollow_wall_min_m": 0.5, "hollow_wall_max_m": 0.3}, "hollow_wall_max_m: wanted at least hollow_wall_min_m"),
         ({"cell_m": 0.2}, "Office.cell_m: wanted 0.025 to 0.1, found 0.2"),
     ],
 )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -82,16 +83,7 @@ class Canvas:
         x_m, y_m = (margin_m + phase[k] * cell_m - float(low[k]) for k in (0, 1))
         cols, rows = (math.ceil((float(high[k] - low[k]) + 2 * margin_m) / cell_m) + 1 for k in (0, 1))
         source, target = Frame(height, width, FINE_M, x_m, y_m, yaw_rad), Frame(rows, cols, cell_m)
-        # The way from cell to cell is affine: three points tell all of it, and sums of a column and a row are cheap.
-        start, down, right = source.cell_from_world(target.world_from_cell(np.array([(0, 0), (1, 0), (0, 1)])))
-        steps = np.arange(rows)[:, np.newaxis], np.arange(cols)
-        row, col = (
-            np.rint(start[k] + steps[0] * (down - start)[k] + steps[1] * (right - start)[k]).astype(np.intp)
-            for k in (0, 1)
-        )
-        known = (row >= 0) & (row < height) & (col >= 0) & (col < width)
-        at = np.where(known, row * width + col, 0)
-        return Placed(np.where(known, self.rooms.ravel()[at], 0).astype(np.int32), source, cell_m)
+        return Placed(_sampled(self.rooms, source, target), source, cell_m)
 
 
 @dataclass(eq=False)
@@ -107,6 +99,10 @@ class Placed:
         """The map's own frame."""
         return Frame(self.rooms.shape[0], self.rooms.shape[1], self.cell_m)
 
+    def laid(self, raster: NDArray[Any]) -> NDArray[Any]:
+        """Another raster of the canvas's shape on the map's cells (h, w), 0 beyond it."""
+        return _sampled(raster, self.canvas, self.frame)
+
     def map_from_plan(self, points_m: NDArray[np.float64]) -> NDArray[np.float64]:
         """Map coordinates (k, 2) of points of the plan (k, 2), both x, y."""
         flat = Frame(self.canvas.height, self.canvas.width, FINE_M)
@@ -115,6 +111,19 @@ class Placed:
     def cells_from_plan(self, points_m: NDArray[np.float64]) -> NDArray[np.float64]:
         """Cells (k, 2) as row, col of points of the plan (k, 2), not rounded."""
         return self.frame.cell_from_world(self.map_from_plan(points_m))
+
+
+def _sampled(raster: NDArray[Any], source: Frame, target: Frame) -> NDArray[Any]:
+    """Return what a raster shows at the middles of another frame's cells, 0 beyond its edges."""
+    # The way from cell to cell is affine: three points tell all of it, and sums of a column and a row are cheap.
+    start, down, right = source.cell_from_world(target.world_from_cell(np.array([(0, 0), (1, 0), (0, 1)])))
+    steps = np.arange(target.height)[:, np.newaxis], np.arange(target.width)
+    row, col = (
+        np.rint(start[k] + steps[0] * (down - start)[k] + steps[1] * (right - start)[k]).astype(np.intp) for k in (0, 1)
+    )
+    known = (row >= 0) & (row < source.height) & (col >= 0) & (col < source.width)
+    at = np.where(known, row * source.width + col, 0)
+    return np.where(known, raster.ravel()[at], 0).astype(raster.dtype)
 
 
 def turned_box(middle: tuple[float, float], sides: tuple[float, float], angle_rad: float = 0.0) -> Shape:

@@ -8,13 +8,15 @@ from collections.abc import Sequence
 import numpy as np
 
 from vdoor.synth import scan, things
-from vdoor.synth.canvas import Placed, Shape, box
+from vdoor.synth.canvas import Canvas, Placed, Shape, box
+from vdoor.synth.drawn_walls import Walls, draw_walls
 from vdoor.synth.home_plan import draw_home_plan
 from vdoor.synth.home_settings import Home
 from vdoor.synth.layout import Drawn, Gap, Layout, Opened, SlantingGap, drawn, keep_passable
 from vdoor.synth.made import SyntheticMap
 from vdoor.synth.plan import Rect
 from vdoor.synth.truth import with_truth
+from vdoor.synth.wall_style import drawn_style, planned
 
 AROUND_M = 4.0
 """As far as rays may go beyond the plan."""
@@ -23,14 +25,18 @@ JAGGED_CHANCE = 0.4
 
 def draw_home(settings: Home, rng: np.random.Generator) -> SyntheticMap:
     """Return one home; the same generator state gives the same plan with other furniture or artefacts."""
-    for_plan, for_doors, for_furniture, for_place, for_scan = rng.spawn(5)
-    layout = draw_home_plan(settings, for_plan)
+    for_plan, for_doors, for_furniture, for_place, for_scan, for_style, for_walls = rng.spawn(7)
+    style = drawn_style(settings, for_style)
+    built = planned(settings, style)
+    layout = draw_home_plan(built, for_plan)
     plan = drawn(layout)
+    floor = Canvas(plan.canvas.rooms.copy())
     standing = _beside_doors(plan.opened, settings, for_doors) + _furniture(layout, settings, for_furniture)
     keep_passable(plan, standing)
     yaw = turn(settings.rotated_chance, for_place)
     placed = plan.canvas.placed(yaw, settings.cell_m, AROUND_M, (for_place.random(), for_place.random()))
-    cells = _scanned(placed, plan, settings, for_scan)
+    walls = Walls(style, for_walls, layout, floor, plan.canvas, placed, built.wall_max_m)
+    cells = _scanned(walls, plan, settings, for_scan)
     return with_truth(cells, placed, plan.opened, settings)
 
 
@@ -91,9 +97,9 @@ def _small(floor: Rect, clutter_per_m2: float, rng: np.random.Generator) -> list
     return found
 
 
-def _scanned(placed: Placed, plan: Drawn, settings: Home, rng: np.random.Generator) -> scan.Cells:
-    """Return the cells as the robot shows them; `placed.rooms` loses what it did not see, and gains what rays freed."""
-    rooms = placed.rooms
+def _scanned(walls: Walls, plan: Drawn, settings: Home, rng: np.random.Generator) -> scan.Cells:
+    """Return the cells as the robot shows them; the rooms lose what it did not see, and gain what rays freed."""
+    placed, rooms = walls.placed, walls.placed.rooms
     doors = placed.cells_from_plan(np.array([door.gap.rect.middle for door in plan.opened]).reshape(-1, 2))
     unseen = np.zeros(rooms.shape, np.bool_)
     for _ in range(int(rng.integers(1, 4)) if rng.random() < settings.corners_chance else 0):
@@ -101,6 +107,7 @@ def _scanned(placed: Placed, plan: Drawn, settings: Home, rng: np.random.Generat
     if rng.random() < settings.rough_chance:
         scan.roughen(rooms, rng.uniform(0.0, settings.rough_max), rng)
     cells = scan.outlined(rooms, unseen, depth=2 if rng.random() < 0.15 else 1)  # noqa: PLR2004  # one in seven
+    draw_walls(cells, walls)
     scan.forget_walls(cells, rng.uniform(0.0, settings.unknown_max) * (rng.random() < 0.6), rng)  # noqa: PLR2004
     if rng.random() < settings.holes_chance:
         scan.pierce(rooms, cells, int(rng.integers(1, 5)), rng)

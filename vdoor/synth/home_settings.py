@@ -85,6 +85,17 @@ class Home:
     """Chance of a home with thin lines of unknown cells in its rooms."""
     specks: float = 0.7
     """Mean number of free or occupied blots out of reach."""
+    hollow_chance: float = 0.04
+    """Chance of a home whose walls, all or some, are outlines with free or unknown cells inside."""
+    hollow_wall_min_m: float = 0.15
+    """Where walls are hollow they are this thick or more, and three and a half cells where that is more."""
+    hollow_wall_max_m: float = 0.6
+    dashed_chance: float = 0.08
+    """Chance of a home whose walls, all or some, are pieces of 0.3 to 1.5 m with gaps between."""
+    dash_gap_max_m: float = 0.2
+    """Gaps in dashed walls have one to three cells, and not more than this unless a cell is larger."""
+    antialiased_chance: float = 0.1
+    """Chance of a home whose walls, all or some, have grey edges, which are unknown, around an occupied core."""
     left_out_chance: float = 0.2
     """Chance of a home in which a room was not visited."""
     rotated_chance: float = 0.35
@@ -105,6 +116,7 @@ PAIRS = (
     ("room_min_m2", "room_max_m2"),
     ("corridor_min_m", "corridor_max_m"),
     ("wall_min_m", "wall_max_m"),
+    ("hollow_wall_min_m", "hollow_wall_max_m"),
     ("door_min_m", "door_max_m"),
     ("open_chance_min", "open_chance_max"),
     ("clutter_min_per_m2", "clutter_max_per_m2"),
@@ -119,8 +131,8 @@ BOUNDS: Mapping[str, tuple[float, float]] = MappingProxyType(
         "room_side_min_m": (1.0, 5.0),
         "corridor_min_m": (0.8, 3.0),
         "corridor_max_m": (0.8, 3.0),
-        "wall_min_m": (0.075, 0.4),  # thinner walls would leak when they are turned
-        "wall_max_m": (0.075, 0.4),
+        "wall_min_m": (0.075, 0.6),  # thinner walls would leak when they are turned
+        "wall_max_m": (0.075, 0.6),
         "door_min_m": (0.5, 1.2),
         "door_max_m": (0.5, 1.2),
         "unsure_from_m": (1.2, 10.0),
@@ -133,6 +145,9 @@ BOUNDS: Mapping[str, tuple[float, float]] = MappingProxyType(
         "shafts": (0.0, 20.0),
         "windows": (0.0, 20.0),
         "specks": (0.0, 100.0),
+        "hollow_wall_min_m": (0.15, 0.6),
+        "hollow_wall_max_m": (0.15, 0.6),
+        "dash_gap_max_m": (0.0, 0.3),
         "rough_max": (0.0, 0.5),
         "unknown_max": (0.0, 0.9),
         "cell_m": (0.025, 0.05),  # walls are drawn for cells no larger
@@ -155,6 +170,9 @@ BOUNDS: Mapping[str, tuple[float, float]] = MappingProxyType(
                 "pockets_chance",
                 "left_out_chance",
                 "rotated_chance",
+                "hollow_chance",
+                "dashed_chance",
+                "antialiased_chance",
             ),
             CHANCE,
         ),

@@ -32,6 +32,6 @@ class SyntheticMap:
 
     grid: OccupancyGrid
     rooms: NDArray[np.int32]
-    """Room of each free cell (h, w), from 1; 0 where not free, or free but out of reach of the rooms."""
+    """Room of each free cell (h, w), from 1; 0 where not free, free but out of reach of the rooms, or within a wall."""
     doors: tuple[TrueDoor, ...]
     settings: Apartment | Home | Office

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from vdoor.synth import scan, things
-from vdoor.synth.canvas import Placed, Shape, box, disc, turned_box
+from vdoor.synth.canvas import Canvas, Shape, box, disc, turned_box
+from vdoor.synth.drawn_walls import Walls, draw_walls
 from vdoor.synth.home import turn
 from vdoor.synth.layout import Layout, drawn, keep_passable
 from vdoor.synth.made import SyntheticMap
@@ -13,6 +14,7 @@ from vdoor.synth.office_plan import draw_office_plan
 from vdoor.synth.office_settings import Office
 from vdoor.synth.plan import Rect
 from vdoor.synth.truth import with_truth
+from vdoor.synth.wall_style import drawn_style, planned
 
 AROUND_M = 2.0
 CLEAR_M = 0.7
@@ -21,23 +23,28 @@ CLEAR_M = 0.7
 
 def draw_office(settings: Office, rng: np.random.Generator) -> SyntheticMap:
     """Return one floor; the same generator state gives the same plan, furnished or not."""
-    for_plan, for_furniture, for_place, for_scan = rng.spawn(4)
-    layout = draw_office_plan(settings, for_plan)
+    for_plan, for_furniture, for_place, for_scan, for_style, for_walls = rng.spawn(6)
+    style = drawn_style(settings, for_style)
+    built = planned(settings, style)
+    layout = draw_office_plan(built, for_plan)
     plan = drawn(layout)
+    floor = Canvas(plan.canvas.rooms.copy())
     if settings.furniture and for_furniture.random() < settings.furnished_chance:
         keep_passable(plan, _furniture(layout, for_furniture))
     yaw = turn(settings.rotated_chance, for_place)
     placed = plan.canvas.placed(yaw, settings.cell_m, AROUND_M, (for_place.random(), for_place.random()))
-    return with_truth(_scanned(placed, settings, for_scan), placed, plan.opened, settings)
+    walls = Walls(style, for_walls, layout, floor, plan.canvas, placed, built.wall_max_m)
+    return with_truth(_scanned(walls, settings, for_scan), placed, plan.opened, settings)
 
 
-def _scanned(placed: Placed, settings: Office, rng: np.random.Generator) -> scan.Cells:
+def _scanned(walls: Walls, settings: Office, rng: np.random.Generator) -> scan.Cells:
     """Return the cells: as drawn by an architect, or with the marks of a scan."""
-    rooms = placed.rooms
+    placed, rooms = walls.placed, walls.placed.rooms
     scanned = rng.random() < settings.rough_chance
     if scanned:
         scan.roughen(rooms, rng.uniform(0.0, settings.rough_max), rng)
     cells = scan.outlined(rooms, np.zeros(rooms.shape, np.bool_), depth=int(rng.integers(1, 4)))
+    draw_walls(cells, walls)
     if rng.random() < settings.faded_chance:
         scan.forget_walls(cells, rng.random(), rng)
     for _ in range(int(rng.poisson(2.0)) if scanned else 0):

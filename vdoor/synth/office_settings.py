@@ -65,6 +65,17 @@ class Office:
     """False: none, whatever the chance."""
     faded_chance: float = 0.25
     """Chance of a floor of whose walls a share, from none to all, is unknown."""
+    hollow_chance: float = 0.12
+    """Chance of a floor whose walls, all or some, are outlines with free or unknown cells inside."""
+    hollow_wall_min_m: float = 0.15
+    """Where walls are hollow they are this thick or more, and three and a half cells where that is more."""
+    hollow_wall_max_m: float = 0.6
+    dashed_chance: float = 0.08
+    """Chance of a floor whose walls, all or some, are pieces of 0.3 to 1.5 m with gaps between."""
+    dash_gap_max_m: float = 0.2
+    """Gaps in dashed walls have one to three cells, and not more than this unless a cell is larger."""
+    antialiased_chance: float = 0.12
+    """Chance of a floor whose walls, all or some, have grey edges, which are unknown, around an occupied core."""
     rough_chance: float = 0.4
     """Chance of a floor that was scanned, not drawn: rough walls, a few rays."""
     rough_max: float = 0.2
@@ -75,7 +86,7 @@ class Office:
     def __post_init__(self) -> None:
         """Check every value against what can be drawn."""
         check_bounds(self, BOUNDS)
-        for name in ("length", "corridor", "room_depth", "room_width", "wall", "door"):
+        for name in ("length", "corridor", "room_depth", "room_width", "wall", "hollow_wall", "door"):
             low, high = getattr(self, f"{name}_min_m"), getattr(self, f"{name}_max_m")
             if low > high:
                 raise SettingError(f"Office.{name}_max_m: wanted at least {name}_min_m = {low:g}, found {high:g}")
@@ -92,11 +103,14 @@ BOUNDS: Mapping[str, tuple[float, float]] = MappingProxyType(
         "room_depth_max_m": (2.0, 20.0),
         "room_width_min_m": (1.8, 20.0),
         "room_width_max_m": (1.8, 20.0),
-        "wall_min_m": (0.1, 0.5),
-        "wall_max_m": (0.1, 0.5),
+        "wall_min_m": (0.1, 0.6),
+        "wall_max_m": (0.1, 0.6),
         "door_min_m": (0.7, 1.3),
         "door_max_m": (0.7, 1.3),
         "unsure_from_m": (1.2, 10.0),
+        "hollow_wall_min_m": (0.15, 0.6),
+        "hollow_wall_max_m": (0.15, 0.6),
+        "dash_gap_max_m": (0.0, 0.3),
         "rough_max": (0.0, 0.5),
         "cell_m": (0.025, 0.1),
         **dict.fromkeys(
@@ -118,6 +132,9 @@ BOUNDS: Mapping[str, tuple[float, float]] = MappingProxyType(
                 "furnished_chance",
                 "rough_chance",
                 "rotated_chance",
+                "hollow_chance",
+                "dashed_chance",
+                "antialiased_chance",
             ),
             CHANCE,
         ),

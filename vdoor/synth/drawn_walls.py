@@ -1,0 +1,150 @@
+"""Walls as drawings and sparse scans show them: outlines with nothing inside, pieces with gaps, grey edges."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import ndimage
+
+from vdoor.grid import FREE, OCCUPIED, UNKNOWN
+from vdoor.synth.canvas import Canvas, Placed, Rooms
+from vdoor.synth.layout import Layout
+from vdoor.synth.scan import EIGHT, Cells, Mask
+from vdoor.synth.settings import FINE_M
+from vdoor.synth.wall_gaps import FREE_FACE, JAMB_M, SHUT, THROUGH, gap_raster
+from vdoor.synth.wall_style import Grey, Hollow, Style
+
+AROUND_ROOM_M = 0.3
+"""How much of the walls around a room counts as its own."""
+HAIR = 1e-6
+HIDDEN_M = 0.7
+"""Outlines of hollow walls are drawn behind what stands against them, up to this far."""
+
+
+@dataclass(frozen=True, eq=False)
+class Walls:
+    """How a map's walls are to be drawn, and what is known of them."""
+
+    style: Style
+    rng: np.random.Generator
+    """Of their own: no other draw depends on how they are drawn."""
+    layout: Layout
+    floor: Canvas
+    """The plan with nothing on its floors; 0 is wall."""
+    standing: Canvas
+    """The same with all that stands on them."""
+    placed: Placed
+    thickest_m: float
+    """Of the walls between rooms."""
+
+
+def draw_walls(cells: Cells, walls: Walls) -> None:
+    """Draw anew, in their style, walls that are solid: what has a room stays free, what becomes free has none."""
+    style, placed = walls.style, walls.placed
+    if not (style.hollow or style.gaps or style.grey):
+        return
+    part = _part(walls)
+    hollow = _hollowed(cells, walls, style.hollow, part) if style.hollow else np.zeros(cells.shape, np.bool_)
+    if style.grey:
+        _grey_edges(cells, walls, style.grey, part & ~hollow)
+    if style.gaps:
+        _interrupted(cells, walls, gap_raster(walls.layout, walls.floor, style.gaps, placed.cell_m, walls.rng), part)
+
+
+def _part(walls: Walls) -> Mask:
+    """Return the cells whose walls are drawn so."""
+    if walls.style.part == "inner":
+        return _between_floors(walls)
+    whole = np.ones(walls.placed.rooms.shape, np.bool_)
+    return whole if walls.style.part == "all" else _around_some_rooms(walls)
+
+
+def _around_some_rooms(walls: Walls) -> Mask:
+    """Return the cells on and around a third to four fifths of the floors, one at least."""
+    floors = walls.layout.floors
+    share = walls.rng.uniform(0.33, 0.8)
+    chosen = walls.rng.permutation(len(floors))[: max(1, round(share * len(floors)))].tolist()
+    taken = Canvas(np.zeros(walls.floor.rooms.shape, np.int32))
+    for floor in (floors[k] for k in chosen):
+        taken.paint(floor.grown(AROUND_ROOM_M, AROUND_ROOM_M), 1)
+    return np.asarray(walls.placed.laid(taken.rooms) > 0)
+
+
+def _between_floors(walls: Walls) -> Mask:
+    """Return the cells of walls that have a floor on either side: what a closing of the floors fills."""
+    floor = walls.floor.rooms > 0
+    size = 2 * math.ceil(walls.thickest_m / 2 / FINE_M) + 1
+    closed = ndimage.minimum_filter(ndimage.maximum_filter(floor, size), size)
+    return np.asarray(walls.placed.laid(closed & ~floor))
+
+
+def _hollowed(cells: Cells, walls: Walls, hollow: Hollow, part: Mask) -> Mask:
+    """Draw walls as outlines, and return all cells of those walls."""
+    rooms, cell_m = walls.placed.rooms, walls.placed.cell_m
+    floor = walls.floor.rooms > 0
+    band = ndimage.maximum_filter(floor, 2 * round(hollow.thick_m / FINE_M) + 1) & ~floor
+    seen = ndimage.distance_transform_edt(rooms == 0) * cell_m <= hollow.thick_m + HIDDEN_M
+    those = part & seen & walls.placed.laid(band) & (rooms == 0)
+    inside = ndimage.binary_erosion(those, EIGHT, iterations=hollow.outline)
+    cells[those] = OCCUPIED
+    cells[inside] = hollow.fill
+    return np.asarray(those)
+
+
+def _interrupted(cells: Cells, walls: Walls, raster: NDArray[np.uint8], part: Mask) -> None:
+    """Open the gaps of the fine raster in walls: one sees through where there is room to see on either side."""
+    rooms = walls.placed.rooms
+    gaps = np.where(part & (rooms == 0), walls.placed.laid(raster), SHUT)
+    occupied = cells == OCCUPIED
+    cells[occupied & (gaps != SHUT)] = UNKNOWN
+    cells[(occupied & (gaps == FREE_FACE)) | _joining(gaps == THROUGH, rooms)] = FREE
+
+
+def _joining(gaps: Mask, rooms: Rooms) -> Mask:
+    """Return those gaps which two rooms border."""
+    part, count = ndimage.label(gaps, EIGHT)
+    sides = (np.s_[1:], np.s_[:-1]), (np.s_[:, 1:], np.s_[:, :-1])
+    met = np.concatenate(
+        [
+            np.stack([part[a], rooms[b]], axis=-1)[gaps[a] & (rooms[b] > 0)]
+            for p, q in sides
+            for a, b in ((p, q), (q, p))
+        ]
+    )
+    bordered = np.bincount(np.unique(met, axis=0)[:, 0], minlength=count + 1)
+    return np.asarray(bordered[part] >= 2)  # noqa: PLR2004
+
+
+def _grey_edges(cells: Cells, walls: Walls, grey: Grey, part: Mask) -> None:
+    """Make edges of walls unknown where ink covers too little of a cell: there is always a core that it covers most."""
+    size = round(grey.blur_cells * walls.placed.cell_m / FINE_M)
+    ink = ndimage.uniform_filter((walls.standing.rooms == 0).astype(np.float32), max(size, 2), mode="nearest")
+    covered = walls.placed.laid(ink)
+    core = (covered >= grey.below) | (covered >= ndimage.maximum_filter(covered, size=3) - HAIR)
+    core |= _ridge(covered) & (_beside_doors(walls) if grey.dotted else True)
+    edge = part & (cells == OCCUPIED) & ~core
+    behind = ndimage.binary_dilation(edge, EIGHT) & part & (walls.placed.rooms == 0) & (cells == UNKNOWN) & core
+    cells[edge] = UNKNOWN
+    cells[behind] = OCCUPIED
+
+
+def _ridge(covered: NDArray[np.float32]) -> Mask:
+    """Return cells covered no less than both neighbours in a row or a column, and more than one of them."""
+    found = np.zeros(covered.shape, np.bool_)
+    for axis in (0, 1):
+        size = (3, 1) if axis == 0 else (1, 3)
+        least, most = ndimage.minimum_filter(covered, size), ndimage.maximum_filter(covered, size)
+        found |= (covered >= most - HAIR) & (covered > least + HAIR)
+    return found
+
+
+def _beside_doors(walls: Walls) -> Mask:
+    """Return the cells in and around doors: jambs are never dotted."""
+    taken = Canvas(np.zeros(walls.floor.rooms.shape, np.int32))
+    away_m = JAMB_M + walls.placed.cell_m
+    for gap in walls.layout.gaps:
+        taken.paint(gap.rect.grown(away_m, away_m), 1)
+    return np.asarray(walls.placed.laid(taken.rooms) > 0)
