@@ -132,12 +132,15 @@ def _grey_edges(cells: Cells, walls: Walls, grey: Grey, part: Mask) -> None:
 
 
 def _ridge(covered: NDArray[np.float32]) -> Mask:
-    """Return cells covered no less than both neighbours in a row or a column, and more than one of them."""
+    """Return cells covered no less than both neighbours in a row or a column, and more than is near on either side.
+
+    Along a face all cells are covered alike: its end is no ridge, and the middle of a wall two cells thick is one.
+    """
     found = np.zeros(covered.shape, np.bool_)
     for axis in (0, 1):
-        size = (3, 1) if axis == 0 else (1, 3)
-        least, most = ndimage.minimum_filter(covered, size), ndimage.maximum_filter(covered, size)
-        found |= (covered >= most - HAIR) & (covered > least + HAIR)
+        before, after = (ndimage.minimum_filter1d(covered, 3, axis, origin=side) for side in (1, -1))
+        most = ndimage.maximum_filter1d(covered, 3, axis)
+        found |= (covered >= most - HAIR) & (covered > np.maximum(before, after) + HAIR)
     return found
 
 
