@@ -130,8 +130,16 @@ PRESETS: dict[str, AnyPipeline] = {
     "paper": Pipeline(),
     "default": Pipeline(
         simplify=SimplifyGrid(
-            cell_m=0.0, thin_unknown_m=0.1, least_part_m2=1.0, max_island_m=1.0, slit_m=0.1, channel_m=0.3
+            cell_m=0.0,
+            thin_unknown_m=0.1,
+            least_part_m2=1.0,
+            max_island_m=1.0,
+            slit_m=0.1,
+            channel_m=0.3,
+            gap_m=0.2,
         ),
+        divide=DivideRooms(in_input=True),
+        merge=MergeRooms(least_passage_m=0.3),
         doors=ProposeWideDoors(),
         score=ScoreDoors(),
         cost=DoorEnergy(further_bias=1.0),

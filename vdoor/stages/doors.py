@@ -24,7 +24,7 @@ Ints = NDArray[np.int32]
 Mask = NDArray[np.bool_]
 
 KINDS = ("pair", "single", "passage", "extension", "added")
-VERDICTS = ("proposed", "blocked", "same wall", "no gap", "duplicate")
+VERDICTS = ("proposed", "blocked", "same wall", "no gap", "duplicate", "too narrow")
 PROPOSED = VERDICTS.index("proposed")
 
 

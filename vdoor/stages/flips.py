@@ -74,7 +74,13 @@ class FlipState:
         return True
 
     def open_if_idle(self, edge: int) -> list[list[int]]:
-        """Groups of rooms, each by its lowest node, that opening a kept door joins; opens it if it joins none."""
+        """Groups of rooms, each by its lowest node, that opening a kept door joins; opens it if it joins none.
+
+        Where the cost counts the doors that part rooms, a door joins those that it parts for the cost.
+        """
+        if self.parts[edge] is not None:
+            beside = {self.room_of[region] for region in self.regions_of[edge]}
+            return [sorted(min(self.members[room]) for room in beside)]
         nodes = [node for node in self.nodes_of_edge[edge] if self.kept_doors[node] == 1]
         around = {self.room_of[near] for node in nodes for near in self.neighbours[node]} - {-1}
         lowest = [min(self.members[room]) for room in sorted(around)]

@@ -59,6 +59,24 @@ def flooded(labels: Ints, free: Mask) -> Ints:
     return flat.reshape(labels.shape[0] + 2, width)[1:-1, 1:-1].copy()
 
 
+def handed_on(labels: Ints, free: Mask) -> Ints:
+    """Every free cell that a label reaches, each 4-connected piece of cells without one as a whole.
+
+    A piece takes the label that it shares most sides with, the lower at a tie; pieces that touch none stay at 0.
+    """
+    piece = label_cells(free & (labels == 0), connectivity=1)
+    row, col = np.nonzero(piece)
+    around = np.pad(labels, 1)
+    near = np.stack([around[row + down, col + right] for down, right in ((0, 1), (1, 0), (1, 2), (2, 1))])
+    own = np.broadcast_to(piece[row, col], near.shape)[near > 0]
+    rooms = int(labels.max(initial=0)) + 1
+    key, sides = np.unique(own.astype(np.int64) * rooms + near[near > 0], return_counts=True)
+    order = np.lexsort((-key, sides, key // rooms))  # the last of a piece has most sides, and the lowest label
+    of_piece = np.zeros(int(piece.max(initial=0)) + 1, np.int32)
+    of_piece[key[order] // rooms] = key[order] % rooms
+    return np.where(piece > 0, of_piece[piece], labels).astype(np.int32)
+
+
 def numbered(labels: Ints, rooms: int) -> tuple[Ints, Ints]:
     """Labels renumbered 1, 2, ... in reading order of their first cells; and the new number (rooms + 1,) of each old.
 

@@ -4,16 +4,19 @@ from __future__ import annotations
 
 import itertools
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
 
-from vdoor.grid import OccupancyGrid
+from vdoor.config import Within
+from vdoor.grid import FREE, OccupancyGrid
 from vdoor.stages.cost import Bits, MergeProblem
 from vdoor.stages.final_doors import door_rows, matched_to_contacts
 from vdoor.stages.final_map import Features, map_of
 from vdoor.stages.flips import FlipState
-from vdoor.stages.labels import at_input, flooded, numbered, whole
+from vdoor.stages.labels import at_input, flooded, handed_on, numbered, whole
+from vdoor.stages.memetic import without_idle
 from vdoor.stages.rooms import InitialMap
 from vdoor.stages.search import Generation
 from vdoor.stages.simplify import SimplifiedGrid
@@ -26,6 +29,10 @@ Ints = NDArray[np.int32]
 class MergeRooms:
     """Open the removed doors and carry the rooms that remain to the input's resolution."""
 
+    least_passage_m: Annotated[float, Within(0, 20)] = 0.0
+    """Narrower openings that the simplified grid does not have are no doors, and the free space behind them is of one
+    room; 0 = all of them are, at most a working cell wide (paper)."""
+
     def __call__(
         self,
         grid: OccupancyGrid,
@@ -37,10 +44,16 @@ class MergeRooms:
         """Rooms and doors; kept doors that separate nothing are dropped."""
         room_of_piece, rows = merged(problem, best.removed)
         working = np.append(0, room_of_piece)[initial.piece]
-        labels = flooded(whole(at_input(working, simplified.factor, grid.free)), grid.free)
+        labels = whole(at_input(working, simplified.factor, grid.free))
+        if self.least_passage_m > 0:
+            inner = at_input((simplified.cells == FREE).astype(np.int32), simplified.factor, grid.free) > 0
+            labels = handed_on(flooded(labels, inner), grid.free)
+        else:
+            labels = flooded(labels, grid.free)
         labels, number = numbered(labels, int(room_of_piece.max()))
         doors = door_rows(initial, rows, number)
-        doors = matched_to_contacts(labels, doors, simplified, grid.frame)
+        if self.least_passage_m == 0:
+            doors = matched_to_contacts(labels, doors, simplified, grid.frame)
 
         room = number[room_of_piece[: len(initial.area_m2)]]
         feature = np.stack([room[initial.feature_region], initial.feature_corner], axis=1)
@@ -57,10 +70,7 @@ def merged(problem: MergeProblem, removed: Bits) -> tuple[Ints, list[tuple[int, 
     A kept door that joins no two rooms when it is opened separates nothing and is dropped: of two doors with nothing
     between them the less likely goes where doors have scores, else the more tilted, then the longer one.
     """
-    state = FlipState(problem, np.flatnonzero(removed).tolist())
-    for edge in problem.worst_first.tolist():
-        if not state.removed[edge]:
-            state.open_if_idle(edge)
+    state = FlipState(problem, np.flatnonzero(without_idle(problem, removed)).tolist())
     # Asked again, since a dropped door may have been all that kept another from joining a third room.
     pairs = [
         (edge, one, other)

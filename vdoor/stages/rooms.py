@@ -19,8 +19,13 @@ from vdoor.stages.score import LIKELY, DoorScores
 from vdoor.stages.simplify import SimplifiedGrid
 from vdoor.stages.trace import BoundaryPath
 
+Floats = NDArray[np.float64]
 Ints = NDArray[np.int32]
 Mask = NDArray[np.bool_]
+
+
+IDLE = ("parts nothing", "not in the input")
+"""A door borders fewer than two regions of the simplified grid, or fewer than two that the input shows as well."""
 
 
 class InitialMap(Record):
@@ -46,6 +51,8 @@ class InitialMap(Record):
     tilt_rad: Annotated[NDArray[np.float64], Spec("column", "edge", unit="rad", tolerance=1e-9)]
     idle_door: Annotated[NDArray[np.int32], Spec("column", "idle")]
     """Proposed doors dropped because they border fewer than two regions."""
+    idle_reason: Annotated[tuple[str, ...], Spec("text", "idle")] = ()
+    """Which regions are meant, one of `IDLE` a door; none at all where only the simplified grid is asked (paper)."""
     border_edge: Annotated[NDArray[np.int32], Spec("column", "border")]
     border_region: Annotated[NDArray[np.int32], Spec("column", "border")]
     """Which regions each edge borders, sorted."""
@@ -76,6 +83,9 @@ class DivideRooms:
 
     feature_samples: Annotated[int, Within(0, 1_000)] = 2
     """A corner belongs to the regions the walker stands in up to so many samples before and after it."""
+    in_input: bool = False
+    """Leave out doors that only the simplified grid knows, since removed obstacles lie where they lead to; false: the
+    final map loses them (paper)."""
 
     def __call__(
         self,
@@ -91,7 +101,11 @@ class DivideRooms:
         if scores is not None:
             proposed = scores.door[scores.judgement == LIKELY]
         idle = self._idle(cut(free, doors, proposed), len(proposed))
-        edges = proposed[~idle]
+        edges, left_out = proposed[~idle], proposed[~idle][:0]
+        if self.in_input and scores is not None:
+            log_odds = scores.log_odds[np.searchsorted(scores.door, edges)]
+            edges = edges[shown(free, simplified.reason == 0, doors, edges, log_odds)]
+            left_out = np.setdiff1d(proposed[~idle], edges)
         pieces = cut(free, doors, edges)
         border = borders(pieces, len(edges))
         area_m2 = pieces.cells.astype(np.float64) * simplified.frame.resolution_m**2
@@ -108,7 +122,8 @@ class DivideRooms:
             length_m=doors.length_m[edges],
             width_m=doors.width_m[edges],
             tilt_rad=doors.tilt_rad[edges],
-            idle_door=proposed[idle],
+            idle_door=np.concatenate([proposed[idle], left_out]),
+            idle_reason=tuple(np.repeat(IDLE, [idle.sum(), len(left_out)]).tolist()) if self.in_input else (),
             border_edge=border[:, 0],
             border_region=border[:, 1],
             atom_area_m2=area_m2[pieces.regions :],
@@ -142,3 +157,43 @@ class DivideRooms:
             inside = (label > 0) & (label <= pieces.regions)
             found.append(np.stack([label[inside] - 1, np.flatnonzero(inside)], axis=1))
         return np.unique(np.concatenate(found).astype(np.int32), axis=0)
+
+
+def shown(free: Mask, as_read: Mask, doors: VirtualDoors, edges: Ints, log_odds: Floats) -> Mask:
+    """Which edges (k,) lead from one region to another in the input as well: where free cells are `as_read`.
+
+    Of each region the largest part that the input shows counts: it is what the final map calls the room. Edges go one
+    by one, the least likely first, since with each of them two regions become one.
+    """
+    kept = np.ones(len(edges), np.bool_)
+    seen = free & as_read
+    while kept.any():
+        rows = np.flatnonzero(kept)
+        both, own = cut(free, doors, edges[rows]), cut(seen, doors, edges[rows])
+        region = main_parts(both, own)
+        border = borders(own, len(rows))
+        border = np.unique(np.stack([border[:, 0], region[border[:, 1]]], axis=1)[region[border[:, 1]] >= 0], axis=0)
+        poor = np.bincount(border[:, 0], minlength=len(rows)) < 2  # noqa: PLR2004  # two sides
+        if not poor.any():
+            break
+        beside = borders(both, len(rows))
+        beside = beside[poor[beside[:, 0]]]
+        least = np.full(both.regions, np.inf)
+        np.minimum.at(least, beside[:, 1], log_odds[rows[beside[:, 0]]])
+        gone = beside[log_odds[rows[beside[:, 0]]] <= least[beside[:, 1]], 0]
+        kept[rows[gone if len(gone) else np.flatnonzero(poor)]] = False
+    return kept
+
+
+def main_parts(both: Pieces, own: Pieces) -> Ints:
+    """The region of `both` (regions,) that each region of `own` is the largest part of, -1 for lesser parts."""
+    first = np.unique(own.label, return_index=True)
+    place = np.zeros(own.regions, np.intp)
+    inside = (first[0] > 0) & (first[0] <= own.regions)
+    place[first[0][inside] - 1] = first[1][inside]
+    region = both.label.reshape(-1)[place] - 1
+    order = np.lexsort((np.arange(own.regions), -own.cells[: own.regions], region))
+    leads = np.append(True, region[order][1:] != region[order][:-1])[: len(order)]
+    found = np.full(own.regions, -1, np.int32)
+    found[order[leads]] = region[order[leads]]
+    return found

@@ -16,6 +16,7 @@ from vdoor.errors import MapError, SettingError
 from vdoor.grid import FREE, OCCUPIED, UNKNOWN, OccupancyGrid
 from vdoor.record import Frame, Record, Spec
 from vdoor.stages.runs import runs_of
+from vdoor.stages.spaces import furniture, gaps, in_line
 
 Mask = NDArray[np.bool_]
 
@@ -24,6 +25,10 @@ THIN_LONG_M = 1.0
 PART_WIDTH_M = 1.2
 SURE_SHARE = 0.7
 CHANNEL_LONG_M = 0.4
+DASH_THICK_M, DASH_LONG_M = 0.3, 0.25
+"""A wall drawn in dashes is no thicker, and one of two dashes in line is at least so long."""
+SPACE_M2 = 0.25
+"""Less free space than this, in a corner behind a bin, is none that a robot could be kept apart from."""
 EPSILON = 1e-9
 AROUND = ((0, 0), (0, 1), (0, 2), (1, 0), (1, 2), (2, 0), (2, 1), (2, 2))
 REASONS = ("as it was", "unreachable", "jut", "notch", "island", "thin unknown", "slit")
@@ -62,6 +67,11 @@ class SimplifyGrid:
     """Free space up to this wide is closed: hollow walls, cracks in them, single rays; 0 keeps it (paper)."""
     channel_m: Annotated[float, Within(0, 1)] = 0.0
     """So is space up to this wide that goes on for more than 0.4 m, where no robot fits through; 0 keeps it (paper)."""
+    gap_m: Annotated[float, Within(0, 1)] = 0.0
+    """Gaps up to this wide are closed, since no robot fits through. Islands and thin unknown lines go only where this
+    opens no way between spaces that are apart with such gaps closed; 0 = none is closed, and all go (paper)."""
+    around_m: Annotated[float, Within(0, 10)] = 1.0
+    """Spaces on two sides of an obstacle are apart where no way leads around it within this distance of it."""
     least_part_m2: Annotated[float, Within(0, 1e6)] = 0.0
     """Free parts of at least this area, with room for 1.2 m by 1.2 m, are kept beside the largest, unless the robot's
     place is given; 0 = only one (paper)."""
@@ -79,18 +89,16 @@ class SimplifyGrid:
         reason = np.zeros(before.shape, np.uint8)
 
         known_free = before == FREE
+        thin = np.zeros_like(known_free)
         if self.thin_unknown_m > 0:
             thin = thin_unknown(
                 before, *(max(1, round(size / frame.resolution_m)) for size in (self.thin_unknown_m, THIN_LONG_M))
             )
-            known_free |= thin
-            reason[thin] = REASONS.index("thin unknown")
-        free = self._reachable(known_free, frame)
-        reason[known_free & ~free] = REASONS.index("unreachable")
-        if self.max_island_m > 0:
-            islands = small_islands(free, max(1, round(self.max_island_m / frame.resolution_m)))
-            free |= islands
-            reason[islands] = REASONS.index("island")
+        free = self._reachable(known_free | thin, frame)
+        reason[(known_free | thin) & ~free] = REASONS.index("unreachable")
+        free = self._without_furniture(free, thin & free, reason, frame)
+        if self.gap_m > 0:
+            free = self._closed(free, gaps(free, cells_in(self.gap_m, frame)), reason, frame)
         free = self._without_slits(free, reason, frame)
         run = max(1, round(self.jut_m / frame.resolution_m))
         for name, changed in zip(("jut", "notch"), flatten(free, run, self.passes), strict=True):
@@ -104,10 +112,35 @@ class SimplifyGrid:
         reason[cells == before] = 0
         return SimplifiedGrid(cells=cells, reason=reason, factor=factor, frame=frame)
 
+    def _without_furniture(self, free: Mask, thin: Mask, reason: NDArray[np.uint8], frame: Frame) -> Mask:
+        """The free cells, `thin` unknown ones among them, with small islands removed; but walls in pieces stay."""
+        islands = np.zeros_like(free)
+        gap = cells_in(self.gap_m, frame)
+        if self.max_island_m > 0:
+            line = in_line(free, wide=gap, thick=cells_in(DASH_THICK_M, frame), least=cells_in(DASH_LONG_M, frame))
+            islands = small_islands(free & ~line, max(1, round(self.max_island_m / frame.resolution_m))) & ~free
+        if gap:
+            known = free & ~thin
+            goes = furniture(
+                known,
+                islands | thin,
+                gap=gap,
+                around=cells_in(self.around_m, frame),
+                least=SPACE_M2 / frame.resolution_m**2,
+            )
+            free, islands, thin = known | goes, islands & goes, thin & goes
+        reason[thin] = REASONS.index("thin unknown")
+        reason[islands] = REASONS.index("island")
+        return free | islands
+
     def _without_slits(self, free: Mask, reason: NDArray[np.uint8], frame: Frame) -> Mask:
         """The free cells that are left without the narrow ones, and can be reached so; all, where these are all."""
-        slit, channel = (int(width_m / frame.resolution_m + EPSILON) for width_m in (self.slit_m, self.channel_m))
+        slit, channel = (cells_in(width_m, frame) for width_m in (self.slit_m, self.channel_m))
         narrow = narrower(free, slit) | long_pieces(narrower(free, channel), CHANNEL_LONG_M / frame.resolution_m)
+        return self._closed(free, narrow, reason, frame)
+
+    def _closed(self, free: Mask, narrow: Mask, reason: NDArray[np.uint8], frame: Frame) -> Mask:
+        """The free cells that are left without the narrow ones, and can be reached so; all, where these are all."""
         wide = free & ~narrow
         if not (narrow.any() and wide.any()):
             return free
@@ -138,6 +171,11 @@ class SimplifyGrid:
             x_m, y_m = self.robot_m
             raise MapError(f"robot at {x_m:g},{y_m:g}: wanted a free cell within {ROBOT_REACH_M} m, found none")
         return np.asarray(labels == labels[tuple(nearest)])
+
+
+def cells_in(length_m: float, frame: Frame) -> int:
+    """How many whole cells a length holds."""
+    return int(length_m / frame.resolution_m + EPSILON)
 
 
 def working_frame(frame: Frame, factor: int) -> Frame:

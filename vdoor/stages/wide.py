@@ -21,6 +21,7 @@ from vdoor.stages.doors import (
     Found,
     VirtualDoors,
     measured,
+    measures,
     pairs_within,
     same_wall,
 )
@@ -46,6 +47,8 @@ class ProposeWideDoors:
     """Longest door from a corner to a boundary."""
     extension_m: Annotated[float, Within(0, 20)] = 3.2
     """Longest door along the line of a wall that ends in a corner."""
+    least_m: Annotated[float, Within(0, 20)] = 0.3
+    """Narrowest door: no robot fits through less."""
     apart_cosine: Annotated[float, Within(-1, 1)] = 0.3
     """Of two boundaries whose directions from a corner have a greater cosine, only the nearer one is joined."""
     pair_detour: Annotated[float, Within(0, 100)] = 2.5
@@ -67,6 +70,9 @@ class ProposeWideDoors:
         clear, _, _ = lines_between(free, found.start, found.end)
         found.verdict[~clear & (found.verdict == PROPOSED)] = VERDICTS.index("blocked")
         found.verdict[np.abs(found.end - found.start).max(axis=1, initial=0) <= 1] = VERDICTS.index("no gap")
+        _, width_m, _ = measures(found.start, found.end, path.frame.resolution_m)
+        narrow = (width_m < self.least_m - EPSILON) & (found.verdict == PROPOSED)
+        found.verdict[narrow] = VERDICTS.index("too narrow")
         return measured(free, found, path.frame)
 
     def _pairs(self, path: BoundaryPath, corners: Corners, convex: Ints) -> Found:
