@@ -13,7 +13,7 @@ from vdoor.history import History
 from vdoor.stages.corners import gaps_m
 from vdoor.stages.doors import KINDS, PROPOSED, VERDICTS
 from vdoor.stages.edit import Edits
-from vdoor.stages.rooms import InitialMap
+from vdoor.stages.rooms import IDLE, InitialMap
 from vdoor.topology import TopologicalMap
 from vdoor.why.near import Point, point_of
 from vdoor.why.reach import reach
@@ -57,6 +57,8 @@ class DoorFate:
     """Along the path between its ends, the shorter way round; none between two contours."""
     least_gap_m: float | None
     """What that must exceed: the detour times the length; none for extensions, of which it is not asked."""
+    least_width_m: float = 0.0
+    """The free gap must have at least this."""
     blocked_at: tuple[int, int] | None = None
     """First working cell (col, row) in its way."""
     twin: int = -1
@@ -66,7 +68,9 @@ class DoorFate:
     edge: int = -1
     regions: tuple[int, ...] = ()
     idle: bool = False
-    """Proposed, but it borders fewer than two regions."""
+    """Proposed, but it borders fewer than two regions, or fewer than two that the input shows."""
+    idle_reason: str = ""
+    """Which of the two, where the recording says it."""
     search: SearchFate | None = None
     separates_nothing: bool = False
     """Kept by the search, and dropped at the end."""
@@ -123,6 +127,7 @@ def door_fate(run: History, door: int, away_m: float = 0.0) -> DoorFate:
         width_m=float(doors.width_m[door]),
         tilt_deg=float(np.degrees(doors.tilt_rad[door])),
         gap_m=path_gap_m(run, door),
+        least_width_m=limits.least_width_m,
         least_gap_m=None if limits.detour is None else limits.detour * float(doors.length_m[door]),
         blocked_at=blocked_at(run, door) if verdict == "blocked" else None,
         twin=twin_of(run, door) if verdict == "duplicate" else -1,
@@ -140,13 +145,19 @@ def _after(run: History, door: int) -> dict[str, Any]:
         return found
     edge = run.edge_of_door.get(door)
     if edge is None:
-        return found | {"idle": True, "fate": "idle"}
+        return found | {"idle": True, "fate": "idle", "idle_reason": _idle_reason(run, door)}
     regions = tuple(run.initial.border_region[run.initial.border_edge == edge].tolist())
     found |= {"edge": edge, "regions": regions}
     if not len(run.search):
         return found
     search = search_fate(run, edge)
     return found | {"search": search} | _end(run, edge, search)
+
+
+def _idle_reason(run: History, door: int) -> str:
+    """Why a door is no edge of the initial map."""
+    row = run.initial.idle_door.tolist().index(door)
+    return run.initial.idle_reason[row] if run.initial.idle_reason else IDLE[0]
 
 
 def _end(run: History, edge: int, search: SearchFate) -> dict[str, Any]:

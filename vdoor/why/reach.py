@@ -15,6 +15,8 @@ class Reach:
     max_length_m: float
     detour: float | None
     """The path between the ends must be so many times longer than the door; None where it is not asked."""
+    least_width_m: float = 0.0
+    """Narrower gaps are no doors."""
 
 
 def reach(settings: ProposeDoors | ProposeWideDoors, kind: str) -> Reach:
@@ -22,9 +24,9 @@ def reach(settings: ProposeDoors | ProposeWideDoors, kind: str) -> Reach:
     if isinstance(settings, ProposeDoors):
         return Reach(settings.max_length_m, settings.pair_detour if kind == "pair" else settings.single_detour)
     return {
-        "pair": Reach(settings.pair_m, settings.pair_detour),
-        "single": Reach(settings.single_m, settings.single_detour),
-        "extension": Reach(settings.extension_m, None),
+        "pair": Reach(settings.pair_m, settings.pair_detour, settings.least_m),
+        "single": Reach(settings.single_m, settings.single_detour, settings.least_m),
+        "extension": Reach(settings.extension_m, None, settings.least_m),
     }[kind]
 
 

@@ -118,7 +118,7 @@ def door_lines(door: DoorFate) -> Iterator[str]:
         if door.score.rivals:
             yield f"      rivals: {_rivals(door.score.rivals, won=door.search is not None and not door.search.removed)}"
     if door.idle:
-        yield "    initial map: idle, it borders fewer than two regions"
+        yield f"    initial map: idle, {_IDLE[door.idle_reason]}"
     if door.edge >= 0:
         yield f"    initial map: edge {door.edge}, borders regions {', '.join(map(str, door.regions))}"
     if door.search:
@@ -148,6 +148,16 @@ _VERDICTS: dict[str, Callable[[DoorFate], str]] = {
     ),
     "no gap": lambda _: "rejected, no gap: its end cells touch",
     "duplicate": lambda door: f"rejected, duplicate: door {door.twin} has the same ends",
+    "too narrow": lambda door: (
+        f"rejected, too narrow: its gap of {door.width_m:.2f} m is less than {door.least_width_m:g}, "
+        "which a robot needs"
+    ),
+}
+
+
+_IDLE = {
+    "parts nothing": "it borders fewer than two regions",
+    "not in the input": "removed obstacles lie where it leads to, so the input shows fewer than two regions beside it",
 }
 
 

@@ -40,6 +40,7 @@ REJECTED: dict[str, Colour] = {
     "same wall": (150, 150, 120),
     "no gap": (120, 120, 120),
     "duplicate": (120, 170, 190),
+    "too narrow": (170, 120, 170),
 }
 JUDGED: dict[str, Colour] = {"unlikely": (150, 150, 120), "outdone": (200, 120, 40)}
 DOUBTFUL: Colour = (240, 150, 30)
