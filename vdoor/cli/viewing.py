@@ -119,7 +119,7 @@ def _whole(recording: Recording) -> Iterator[tuple[int, Record]]:
     except RecordingError as error:
         if not count:
             raise
-        say(f"note: {count} records are whole and drawn; {error}")
+        say(f"note: drawn as far as it is whole, {count} record{'s' * (count > 1)}; {error}")
 
 
 @contextmanager
