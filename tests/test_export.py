@@ -234,8 +234,8 @@ def test_keepout_mask_is_free_in_the_chosen_rooms_and_shut_elsewhere(
     assert mask.frame == topology.frame
 
 
-def walls(topology: TopologicalMap, *rooms: int, **beside: Any) -> list[tuple[tuple[int, int], ...]]:
-    content = Export(writer_named("virtual-walls"), rooms=rooms).content(Finished(topology, **beside))
+def walls(topology: TopologicalMap, *rooms: int) -> list[tuple[tuple[int, int], ...]]:
+    content = Export(writer_named("virtual-walls"), rooms=rooms).content(Finished(topology))
     assert isinstance(content, str)
     document = json.loads(content)
     assert document["restrictedZones"] == []
@@ -255,8 +255,11 @@ def test_virtual_walls_count_centimetres_down_from_the_images_corner() -> None:
 def test_virtual_walls_of_a_robots_own_map_are_in_its_own_frame() -> None:
     topology = finished.topology("flat")
     (at, _), height_cm = walls(topology)[0], topology.frame.height * 20
-    (moved, _) = walls(topology, own_origin_cm=(1000.0, 2000.0 + height_cm))[0]
+    own_origin_cm = (1000.0, 2000.0 + height_cm)
+    known = dataclasses.replace(topology, own_origin_cm=own_origin_cm)
+    (moved, _) = walls(known)[0]
     assert moved == (at[0] + 1000, at[1] + 2000)
+    assert export.to_virtual_walls(topology, own_origin_cm=own_origin_cm) == export.to_virtual_walls(known)
 
 
 def test_virtual_walls_do_not_depend_on_where_the_map_frame_lies() -> None:

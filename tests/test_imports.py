@@ -23,7 +23,8 @@ MAY_IMPORT = {
     "emit": {"grid", "record", "hold"},
     "topology": {"errors", "record", "stages"},
     "stages": {"errors", "config", "edits", "places", "record", "grid", "topology"},
-    "pipeline": {"baselines", "config", "errors", "emit", "record", "grid", "stages", "topology"},
+    "pipeline": {"baselines", "config", "errors", "emit", "record", "grid", "prepare", "stages", "topology"},
+    "prepare": {"errors", "formats", "grid", "stages", "topology"},
     "formats": {"errors", "files", "record", "grid", "emit", "topology", "recording"},
     "recording": {"errors", "files", "record", "grid", "emit", "hold"},
     "viz": {
@@ -55,6 +56,7 @@ MAY_IMPORT = {
         "grid",
         "history",
         "pipeline",
+        "prepare",
         "record",
         "recording",
         "stages",
@@ -89,7 +91,7 @@ MAY_IMPORT = {
         "formats",
         "record",
     },
-    "matching": {"config", "edits", "errors", "formats", "grid", "pipeline", "places", "record", "stages", "topology"},
+    "matching": {"config", "edits", "errors", "grid", "pipeline", "places", "record", "stages", "topology"},
     "outputs": {"errors", "say", "files", "record", "emit", "recording", "viz"},
     "baselines": {"config", "emit", "grid", "record", "stages", "topology"},
     "evidence": {

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import functools
 import json
 import shutil
@@ -25,6 +26,7 @@ from vdoor.edits import append_edits, parse
 from vdoor.export import read_finished
 from vdoor.grid import FREE, OCCUPIED, UNKNOWN, OccupancyGrid
 from vdoor.matching import Older, aligned, carried_over
+from vdoor.matching.align import known_shift_m
 from vdoor.places import place_text
 from vdoor.topology import TopologicalMap
 
@@ -213,11 +215,13 @@ def test_closed_doors_come_over() -> None:
 
 
 def test_maps_of_robots_lie_where_their_own_frame_says(tmp_path: Path) -> None:
-    grid = vdoor.read_map(vacuum.write_home(tmp_path / "home.json"))
+    new = vdoor.run(vdoor.read_map(vacuum.write_home(tmp_path / "home.json")))
     corner_cm = (vacuum.LEFT - 2) * vacuum.CELL_CM, (vacuum.TOP + 9 + 2) * vacuum.CELL_CM
-    older = Older(finished.topology("flat"), own_origin_cm=(corner_cm[0] + 30.0, corner_cm[1] + 50.0))
-    assert older.known_m(grid) == pytest.approx((0.3, -0.5))
-    assert older.known_m(finished.grid("flat")) == (0.0, 0.0)
+    assert new.own_origin_cm == corner_cm
+    older = dataclasses.replace(finished.topology("flat"), own_origin_cm=(corner_cm[0] + 30.0, corner_cm[1] + 50.0))
+    assert known_shift_m(older, new) == pytest.approx((0.3, -0.5))
+    assert known_shift_m(older.edited(["name 2.9,6.5 Kitchen"]), new) == known_shift_m(older, new)
+    assert known_shift_m(older, finished.topology("flat")) == (0.0, 0.0)
 
 
 # The command

@@ -387,7 +387,8 @@ def test_own_row_is_what_evaluate_says_of_a_plain_run(tmp_path: Path) -> None:
     called("run", flat, "--preset", "paper", "--out", tmp_path / "flat")
     evaluated = json.loads(called("evaluate", tmp_path / "flat", "--reference", truth, "--json"))
     drawn = ("--png", tmp_path / "s.png", "--save", tmp_path / "s.rrd")
-    told = json.loads(called("sweep", "doors.max_length_m=0.8", "--maps", flat, "--reference", truth, "--json", *drawn))
+    words = ("sweep", "doors.max_length_m=0.8", "--preset", "paper", "--maps", flat, "--reference", truth, "--json")
+    told = json.loads(called(*words, *drawn))
     (sweep,) = told["sweeps"]
     shut, own = sweep["points"]
     assert (own["value"], own["own"], shut["own"]) == (1.2, True, False)
@@ -400,7 +401,7 @@ def test_own_row_is_what_evaluate_says_of_a_plain_run(tmp_path: Path) -> None:
 
 
 def test_command_goes_on_where_a_map_fails(command: recorded.Command) -> None:
-    told = command("sweep", "simplify.cell_m=7", "--apartments", "2")
+    told = command("sweep", "simplify.cell_m=7", "--preset", "paper", "--apartments", "2")
     assert told.code == 0
     assert [line.split()[0] for line in told.out.splitlines()[2:]] == ["0.2*", "7"]
     assert told.out.splitlines()[-1].split()[-1] == "2"
@@ -409,8 +410,8 @@ def test_command_goes_on_where_a_map_fails(command: recorded.Command) -> None:
 
 
 def test_equal_commands_print_the_same(command: recorded.Command) -> None:
-    words = ("sweep", "seed=0,1", "cost.area_weight_per_m2=0,1", "--apartments", "1", "--furnished", "--json", "-q")
-    first, second = command(*words), command(*words)
+    words = ("sweep", "seed=0,1", "cost.area_weight_per_m2=0,1", "--preset", "paper", "--apartments", "1")
+    first, second = (command(*words, "--furnished", "--json", "-q") for _ in range(2))
     assert first == second
     assert not first.err
     assert [sweep["setting"] for sweep in first.json["sweeps"]] == ["seed", "cost.area_weight_per_m2"]

@@ -12,6 +12,7 @@ import maps
 import numpy as np
 import pytest
 import recorded
+import vacuum
 from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
@@ -23,7 +24,8 @@ from vdoor.errors import MapError, SettingError, VdoorError
 from vdoor.evaluate import evaluate, marked_doors
 from vdoor.grid import FREE, OCCUPIED, UNKNOWN, OccupancyGrid
 from vdoor.pipeline import METHODS, PRESETS
-from vdoor.record import Frame, equal
+from vdoor.record import equal
+from vdoor.stages.simplify import SimplifiedGrid
 from vdoor.synth import PRESETS as KINDS
 from vdoor.synth import synthesize, write_synthetic
 from vdoor.trials import (
@@ -343,22 +345,26 @@ def test_robustness_compares_with_the_first_row(trials: list[Trial]) -> None:
     assert "iou_sym" not in first
 
 
-def test_robot_is_placed_where_it_is_on_the_changed_map(trials: list[Trial]) -> None:
-    """Points of the map frame stay what they are, so the robot stands in the same room."""
-    trial = trials[0]
-    robot = trial.division.frame.world_from_cell(np.argwhere(trial.division.grid.free)[:1])[0]
-    seen: list[tuple[Frame, NDArray[np.float64]]] = []
+@pytest.mark.parametrize("change", CHANGES, ids=lambda change: change.name)
+def test_robot_is_placed_where_it_is_on_the_changed_map(change: Change, tmp_path: Path) -> None:
+    """Points of the map frame stay what they are, so the robot stands in the same flat, the smaller one of two."""
+    rows = [f"#{'a' * 60}#?#{'b' * 40}#" for _ in range(40)]
+    table = vacuum.home("\n".join(["#" * 105, *rows, "#" * 105]), robot_position=vacuum.centre_cm(20, 80))
+    path, truth = (vacuum.write_home(tmp_path / name, table) for name in ("home.json", "truth.json"))
+    (trial,) = read_trials(path, Choice(reference=truth)).trials
+    there = changed(trial, change, RNG)
+    seen: list[SimplifiedGrid] = []
 
-    def place(pipeline: Any, grid: OccupancyGrid) -> Any:
-        seen.append((grid.frame, grid.frame.cell_from_world(robot[None])[0]))
-        return dataclasses.replace(pipeline, simplify=dataclasses.replace(pipeline.simplify, robot_m=tuple(robot)))
+    def keep(record: Any, /) -> Any:
+        seen.extend([record] if isinstance(record, SimplifiedGrid) else [])
+        return record
 
-    there = changed(trial, CHANGES[3], RNG)
-    measured(there, PRESETS["default"], place=place)
-    ((frame, cell),) = seen
-    assert frame == there.division.frame
-    row, col = np.rint(cell).astype(int)
-    assert (there.division.grid.cells[row - 1 : row + 2, col - 1 : col + 2] == FREE).any()
+    measured(there, PRESETS["default"], emit=keep)
+    (simplified,) = seen
+    x_m, _ = simplified.frame.world_from_cell(np.argwhere(simplified.cells == FREE)).T
+    left_m = vacuum.CELL_CM / 100 * (2 + 64)
+    assert left_m - 0.1 < x_m.min()
+    assert x_m.max() < left_m + 40 * vacuum.CELL_CM / 100 + 0.1
 
 
 def test_maps_and_references_of_a_folder(folder: Path, tmp_path: Path) -> None:

@@ -1,7 +1,7 @@
 """Rooms and doors from occupancy grid maps, every stage on record.
 
 >>> import vdoor
->>> topology = vdoor.run(vdoor.read_map("recordings/flat.yaml"), preset="paper")
+>>> topology = vdoor.run(vdoor.read_map("recordings/flat.yaml"))
 >>> len(topology.rooms), len(topology.doors)
 (5, 4)
 """

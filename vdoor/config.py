@@ -22,6 +22,8 @@ Choices = Mapping[str, Mapping[str, type]]
 """Stages that have several classes: stage -> value of its ``method`` -> class."""
 
 METHOD = "method"
+DEFAULT_PRESET = "default"
+"""The settings to start from where nobody names others, in the command and in Python."""
 
 
 @dataclasses.dataclass(frozen=True)

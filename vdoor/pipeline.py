@@ -7,16 +7,20 @@ are doors (III, eq. 7).
 
 from __future__ import annotations
 
+import dataclasses
+import warnings
 from collections import deque
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 
 from vdoor.baselines import ErodedSpace, ErodedSpacePipeline, GrownRooms, Narrows, Skeleton, VoronoiDoorsPipeline
-from vdoor.config import with_settings
+from vdoor.config import DEFAULT_PRESET, with_settings
 from vdoor.emit import Emit, RunInfo, silent
-from vdoor.errors import SettingError
+from vdoor.errors import MapWarning, SettingError
 from vdoor.grid import OccupancyGrid
+from vdoor.prepare import in_own_frame, placed
 from vdoor.record import Record
 from vdoor.stages.certify import BoundEnergy, Certificate, NoProof
 from vdoor.stages.corners import Candidates, Corners, FindCandidates, FindCorners
@@ -176,9 +180,42 @@ def emitted(info: RunInfo) -> tuple[type[Record], ...]:
         return PRESETS.get(info.preset, Pipeline()).records
 
 
+class Prepared(NamedTuple):
+    """A pipeline for one map, and what its user should know of it; empty where nothing had to be assumed."""
+
+    pipeline: AnyPipeline
+    note: str = ""
+
+
+def prepared(pipeline: AnyPipeline, grid: OccupancyGrid) -> Prepared:
+    """The pipeline as `run` takes it for this map: with the robot where the map's file says, unless its place is set.
+
+    A place that is set stands, so that to prepare twice changes nothing.
+    """
+    simplify, note = placed(pipeline.simplify, grid)
+    return Prepared(dataclasses.replace(pipeline, simplify=simplify), note)
+
+
 def run(
-    grid: OccupancyGrid, preset: str | AnyPipeline = "paper", *, seed: int = 0, emit: Emit = silent
+    grid: OccupancyGrid, preset: str | AnyPipeline = DEFAULT_PRESET, *, seed: int = 0, emit: Emit = silent
 ) -> TopologicalMap:
-    """The topological map of `grid` by a preset or a pipeline of your own; equal seeds give equal results."""
-    pipeline = preset_named(preset) if isinstance(preset, str) else preset
-    return pipeline(grid, np.random.default_rng(seed), emit)
+    """The topological map of `grid` by a preset or a pipeline of your own; equal seeds give equal results.
+
+    The same as `vdoor run`: the pipeline is `prepared` for the map, then it is `run_prepared`. To record a run do both
+    yourself: it can be done again with the settings of the prepared pipeline.
+
+    Warns
+    -----
+    MapWarning
+        where the map's file names a place of the robot that cannot be
+
+    """
+    pipeline, note = prepared(preset_named(preset) if isinstance(preset, str) else preset, grid)
+    if note:
+        warnings.warn(note, MapWarning, stacklevel=2)
+    return run_prepared(grid, pipeline, seed=seed, emit=emit)
+
+
+def run_prepared(grid: OccupancyGrid, pipeline: AnyPipeline, *, seed: int = 0, emit: Emit = silent) -> TopologicalMap:
+    """The same by a pipeline whose settings stand as they are, wherever the map's file says that the robot is."""
+    return in_own_frame(pipeline(grid, np.random.default_rng(seed), emit), grid.source)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
@@ -106,6 +107,9 @@ class TopologicalMap(Record):
     vertex_ring: Annotated[NDArray[np.int32], Spec("column", "vertex")]
     """Ring within the room: 0 is the outer one, then its holes."""
     frame: Frame
+    own_origin_cm: tuple[float, float] | None = None
+    """Where the map frame's origin lies in the frame of the robot that made the map, whose y runs down, in centimetres;
+    None where nobody says. No part of the record: it stands in the map's file."""
 
     @property
     def doors(self) -> list[Door]:
@@ -176,7 +180,8 @@ class TopologicalMap(Record):
         """
         from vdoor.stages.edit import EditRooms  # noqa: PLC0415  # which makes maps
 
-        return EditRooms(edits=tuple(edits))(self).topology
+        after = EditRooms(edits=tuple(edits))(self).topology
+        return dataclasses.replace(after, own_origin_cm=self.own_origin_cm)
 
     def _door(self, row: int) -> Door:
         return Door(

@@ -59,7 +59,7 @@ COMMANDS = (
     ("evaluate", evaluate.evaluate, "vdoor evaluate result/ --reference truth.png --min door_f1=0.9 --save seen.rrd"),
     ("ablate", trials.ablate, "vdoor ablate maps/ --reference truth/ --exclude furnished --model my_curves.json"),
     ("robust", trials.robust, "vdoor robust maps/ --reference truth/ --bare-map maps/ --free-from 250 --json"),
-    ("sweep", sweeps.sweep, "vdoor sweep --png all.png; vdoor sweep doors.max_length_m=0.6..2:0.2 seed=0..9 --json"),
+    ("sweep", sweeps.sweep, "vdoor sweep --png all.png; vdoor sweep cost.bias=-1..1:0.5 seed=0..9 --json"),
     ("synth", studies.synth, "vdoor synth maps/flat --kind paper --seed 3 --set furniture=true"),
     ("train", training.train, "vdoor train -o curves.json; vdoor run map.pgm --set score.model=curves.json"),
     ("bench", studies.bench, "vdoor bench --tile 4"),

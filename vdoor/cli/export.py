@@ -15,7 +15,6 @@ if TYPE_CHECKING:
     from vdoor.emit import RunInfo, Sink
     from vdoor.export import Export
     from vdoor.export.report import Story
-    from vdoor.grid import OccupancyGrid
     from vdoor.topology import TopologicalMap
 
 
@@ -87,13 +86,13 @@ class RunExports:
         self._story = Story.of(info)
         return [self._story]
 
-    def write(self, topology: TopologicalMap, grid: OccupancyGrid, map_file: Path) -> VdoorError | None:
+    def write(self, topology: TopologicalMap, map_file: Path) -> VdoorError | None:
         """Write all that this map has; why not, for the first that it has not."""
         if not self.all:
             return None
-        from vdoor.export import Finished, own_origin_cm
+        from vdoor.export import Finished
 
-        finished = Finished(topology, own_origin_cm(grid.source), self._story)
+        finished = Finished(topology, self._story)
         refused = None
         for item in self.all:
             try:

@@ -20,7 +20,8 @@ PIPE = "-"
 MapFile = Annotated[
     Path, typer.Argument(metavar="MAP", help="ROS map YAML, image, .npy, Valetudo JSON or - (stdin), bag, recording.")
 ]
-Preset = Annotated[str, typer.Option(help="paper (as printed), default, voronoi-doors or eroded-space.")]
+PRESET_HELP = "paper (as printed), default, voronoi-doors or eroded-space."
+Preset = Annotated[str, typer.Option(help=PRESET_HELP)]
 Seed = Annotated[int, typer.Option(min=0, help="Seed of everything random.")]
 Config = Annotated[Path | None, typer.Option(metavar="FILE.toml", help="Settings file, see `vdoor config`.")]
 Set = Annotated[list[str] | None, typer.Option("--set", metavar="STAGE.FIELD=VALUE", help="One setting; repeatable.")]
@@ -91,27 +92,14 @@ def place_in(frame: Frame, text: str, *, what: str, cells: bool) -> Point:
     return x_m, y_m
 
 
-def placed(pipeline: AnyPipeline, grid: OccupancyGrid, *, quiet: bool) -> AnyPipeline:
-    """The pipeline with the robot, or else its charger, where the map's file says, unless its place is set already.
+def prepared_pipeline(pipeline: AnyPipeline, grid: OccupancyGrid, *, quiet: bool) -> AnyPipeline:
+    """The pipeline as `vdoor.run` takes it for this map; where the robot is by the map's file is said on stderr."""
+    from vdoor.pipeline import prepared
 
-    A place without a free cell near it is passed over, as the first stage would refuse it.
-    """
-    import dataclasses
-
-    from vdoor.errors import MapError
-    from vdoor.formats import read_annotations
-
-    said = None if pipeline.simplify.robot_m else read_annotations(grid.source)
-    places_m = said.places_m if said else ()
-    for x_m, y_m in places_m:
-        there = dataclasses.replace(pipeline, simplify=dataclasses.replace(pipeline.simplify, robot_m=(x_m, y_m)))
-        try:
-            there.simplify(grid)
-        except MapError:
-            continue
-        if not quiet:
-            say(f"note: robot at {x_m:g},{y_m:g}, as the map's file says (--robot says another place)")
-        return there
-    if places_m and not quiet:
-        say("note: the robot's place in the map's file is not free; the largest free space is taken")
-    return pipeline
+    there, note = prepared(pipeline, grid)
+    if there != pipeline:
+        x_m, y_m = there.simplify.robot_m
+        note = f"robot at {x_m:g},{y_m:g}, as the map's file says (--robot says another place)"
+    if note and not quiet:
+        say(f"note: {note}")
+    return there

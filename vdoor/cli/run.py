@@ -24,11 +24,12 @@ from vdoor.cli.options import (
     Topic,
     Unknown,
     chosen_pipeline,
-    placed,
+    prepared_pipeline,
     read_grid,
     robot_place,
 )
 from vdoor.cli.run_edits import EditNotes, leave_edits, matched, with_edits
+from vdoor.config import DEFAULT_PRESET
 from vdoor.say import say
 
 if TYPE_CHECKING:
@@ -50,7 +51,7 @@ def run(
             "--export", metavar="FORMAT=FILE", help="Also for other programs, see `vdoor export`; repeatable."
         ),
     ] = None,
-    preset: Preset = "default",
+    preset: Preset = DEFAULT_PRESET,
     config: Config = None,
     set_: Set = None,
     seed: Seed = 0,
@@ -83,7 +84,7 @@ def run(
     from vdoor.emit import Recorder, Stopwatch
     from vdoor.formats import result
     from vdoor.outputs import Outputs, Progress, opened
-    from vdoor.pipeline import run as run_pipeline
+    from vdoor.pipeline import run_prepared
 
     outputs = Outputs(save=save, mcap=mcap, connect=connect, serve=serve, spawn=spawn)
     exports = RunExports(export or ())
@@ -92,7 +93,7 @@ def run(
     grid = read_grid(map_file, resolution, unknown_value, max_cells, topic=topic, quiet=quiet)
     _refuse_sources(written, map_file, grid)
     pipeline = chosen_pipeline(preset, config, set_, robot=robot_place(grid, robot, cells=cells))
-    pipeline = placed(pipeline, grid, quiet=quiet)
+    pipeline = prepared_pipeline(pipeline, grid, quiet=quiet)
     pipeline = with_edits(pipeline, edits, closed_door or (), grid)
     found = None
     if match is not None:
@@ -102,13 +103,13 @@ def run(
     with opened(outputs, info) as recording:
         told = [*([] if quiet else [Progress(verbose=verbose)]), *EditNotes.sinks(pipeline, quiet=quiet)]
         watch = Stopwatch(Recorder([*recording.sinks, *exports.sinks(info), *told]))
-        topology = run_pipeline(grid, pipeline, seed=seed, emit=watch)
+        topology = run_prepared(grid, pipeline, seed=seed, emit=watch)
         recording.finish_files()
         document = result.document_of(topology, info, watch.cpu_s) | ({"match": found.document()} if found else {})
         if out:
             result.write_result(out, grid, topology, document)
             leave_edits(out, pipeline.edit.edits, quiet=quiet)
-        refused = exports.write(topology, grid, map_file)
+        refused = exports.write(topology, map_file)
         _print_result(topology, document, as_json=as_json)
         if refused:
             raise refused
@@ -117,7 +118,7 @@ def run(
             say(f"{seconds:8.3f} s CPU  {stage}")
 
 
-def config(*, preset: Preset = "default", config: Config = None, set_: Set = None) -> None:
+def config(*, preset: Preset = DEFAULT_PRESET, config: Config = None, set_: Set = None) -> None:
     """Print all settings as TOML."""
     from vdoor.config import to_toml
     from vdoor.pipeline import METHODS

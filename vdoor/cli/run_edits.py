@@ -77,7 +77,7 @@ def matched(
 
     place = older.parent if older.name == "map.json" else older
     finished = read_finished(place)
-    old = Older.of(finished.topology, finished.settings, finished.own_origin_cm)
+    old = Older.of(finished.topology, finished.settings)
     pipeline, found = carried_over(old, grid, pipeline, seed=seed, edits_too=edits_too)
     for line in () if quiet else found.lines():
         say(line)

@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from vdoor.cli.options import Force, Json, Preset, Resolution, Seed, Set, chosen_pipeline, read_grid
+from vdoor.config import DEFAULT_PRESET
 from vdoor.errors import SettingError
 
 
@@ -48,7 +49,7 @@ def bench(
     *,
     tile: Annotated[int, typer.Option(min=1, max=64, metavar="N", help="Repeat each map N x N times, joined.")] = 1,
     record: Annotated[bool, typer.Option("--record", help="Also with both recordings, to a scratch folder.")] = False,
-    preset: Preset = "paper",
+    preset: Preset = DEFAULT_PRESET,
     set_: Set = None,
     resolution: Resolution = None,
     as_json: Json = False,

@@ -8,14 +8,17 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from vdoor.cli.options import Force, Json, Preset, Resolution, Seed, Set, chosen_pipeline
-from vdoor.cli.trials import BareMap, Exclude, FreeFrom, Only, Quiet, chosen, placed_quietly, read
+from vdoor.cli.options import PRESET_HELP, Force, Json, Resolution, Seed, Set, chosen_pipeline
+from vdoor.cli.trials import BareMap, Exclude, FreeFrom, Only, Quiet, chosen, read
+from vdoor.config import DEFAULT_PRESET
 from vdoor.errors import SettingError
 from vdoor.say import say
 
 if TYPE_CHECKING:
     from vdoor.trials import Choice, Point, Step, Trial
 
+PAPER = "paper"
+"""The preset whose settings are swept where none is named."""
 APARTMENTS = 20
 CELL_M = 0.05
 """Of an apartment's map: fine enough that the working resolution can be swept."""
@@ -46,7 +49,10 @@ def sweep(
         int | None, typer.Option(min=1, metavar="N", help=f"Synthetic apartments.  [default: {APARTMENTS}]")
     ] = None,
     furnished: Annotated[bool, typer.Option("--furnished", help="Apartments with furniture.")] = False,
-    preset: Preset = "paper",
+    preset: Annotated[
+        str | None,
+        typer.Option(help=f"{PRESET_HELP}  [default: {DEFAULT_PRESET}, or {PAPER} where no SETTING is named]"),
+    ] = None,
     set_: Set = None,
     seed: Seed = 0,
     save: Annotated[Path | None, typer.Option(metavar="FILE.rrd", help="Charts as a Rerun recording.")] = None,
@@ -67,6 +73,7 @@ def sweep(
     from vdoor.pipeline import METHODS
     from vdoor.trials import steps, sweep_report
 
+    preset = preset or (DEFAULT_PRESET if sweeps else PAPER)
     pipeline = chosen_pipeline(preset, None, set_)
     todo = steps.planned(sweeps or steps.PAPER, pipeline, seed=seed)
     _refuse_pictures(save, png, force=force)
@@ -143,7 +150,7 @@ def _swept(todo: list[Step], trials: list[Trial], *, quiet: bool) -> list[Point]
     from vdoor.trials.sweep_report import value_text
 
     points = []
-    for number, point in enumerate(swept(todo, trials, place=placed_quietly), start=1):
+    for number, point in enumerate(swept(todo, trials), start=1):
         points.append(point)
         if not quiet:
             place = f"{number} of {len(todo)}: {point.setting.name}={value_text(point.value)}"

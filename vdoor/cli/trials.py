@@ -10,12 +10,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from vdoor.cli.evaluate import _notes_said
-from vdoor.cli.options import Json, Preset, Resolution, Seed, Set, chosen_pipeline, placed
+from vdoor.cli.options import Json, Preset, Resolution, Seed, Set, chosen_pipeline
+from vdoor.config import DEFAULT_PRESET
 from vdoor.say import say
 
 if TYPE_CHECKING:
-    from vdoor.grid import OccupancyGrid
-    from vdoor.pipeline import AnyPipeline
     from vdoor.trials import Choice, Row, Trial
 
 Maps = Annotated[Path, typer.Argument(metavar="MAPS", help="Folder of maps, or a map.")]
@@ -45,7 +44,7 @@ def ablate(
     model: Annotated[
         list[Path] | None, typer.Option(metavar="FILE", help="Also with these curves of `vdoor train`; repeatable.")
     ] = None,
-    preset: Preset = "default",
+    preset: Preset = DEFAULT_PRESET,
     set_: Set = None,
     seed: Seed = 0,
     as_json: Json = False,
@@ -58,7 +57,7 @@ def ablate(
     variants, models = variants_with(model or ())
     choice = chosen(reference, bare_map, resolution_m=resolution, free_from=free_from, only=only, exclude=exclude)
     trials = read(maps, choice, quiet=quiet)
-    found = ablation(trials, pipeline, variants=variants, models=models, seed=seed, place=placed_quietly)
+    found = ablation(trials, pipeline, variants=variants, models=models, seed=seed)
     rows = _said(found, quiet=quiet)
     table = report.table(rows, report.ABLATION, "variant")
     _print(report.document(rows, trials, preset, seed) if as_json else table)
@@ -73,7 +72,7 @@ def robust(
     resolution: Resolution = None,
     only: Only = None,
     exclude: Exclude = None,
-    preset: Preset = "default",
+    preset: Preset = DEFAULT_PRESET,
     set_: Set = None,
     seed: Seed = 0,
     as_json: Json = False,
@@ -85,7 +84,7 @@ def robust(
     pipeline = chosen_pipeline(preset, None, set_)
     choice = chosen(reference, bare_map, resolution_m=resolution, free_from=free_from, only=only, exclude=exclude)
     trials = read(maps, choice, quiet=quiet)
-    rows = _said(robustness(trials, pipeline, seed=seed, place=placed_quietly), quiet=quiet)
+    rows = _said(robustness(trials, pipeline, seed=seed), quiet=quiet)
     table = report.table(rows, report.ROBUSTNESS, "maps")
     _print(report.document(rows, trials, preset, seed) if as_json else table)
 
@@ -119,11 +118,6 @@ def read(maps: Path, choice: Choice, *, quiet: bool) -> list[Trial]:
     if not quiet:
         say(f"{len(found.trials)} maps")
     return found.trials
-
-
-def placed_quietly(pipeline: AnyPipeline, grid: OccupancyGrid) -> AnyPipeline:
-    """The pipeline with the robot where the map's file says, as `vdoor run` has it."""
-    return placed(pipeline, grid, quiet=True)
 
 
 def _said(rows: Iterable[Row], *, quiet: bool) -> list[Row]:

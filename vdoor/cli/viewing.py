@@ -9,13 +9,17 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from vdoor.cli.options import Force
-from vdoor.errors import SettingError, VdoorError
+from vdoor.errors import RecordingError, SettingError, VdoorError
 from vdoor.say import say
+
+if TYPE_CHECKING:
+    from vdoor.record import Record
+    from vdoor.recording.mcap import Recording
 
 RecordingFile = Annotated[Path, typer.Argument(metavar="REC", help="An .mcap recording.")]
 AnyRecording = Annotated[Path, typer.Argument(metavar="REC", help="An .rrd or .mcap recording.")]
@@ -88,7 +92,7 @@ def view(recording: AnyRecording) -> None:
 
 
 def _draw(path: Path, outputs: object, *, pause_s: float = 0.0) -> int:
-    """Draw a recording where `outputs` says; returns how many records there were."""
+    """Draw a recording, as far as it is whole, where `outputs` says; returns how many records there were."""
     from vdoor.outputs import Outputs, opened
     from vdoor.pipeline import RECORDS
     from vdoor.recording.mcap import read_recording
@@ -97,12 +101,25 @@ def _draw(path: Path, outputs: object, *, pause_s: float = 0.0) -> int:
     recording = read_recording(path, types=RECORDS)
     count = 0
     with opened(outputs, recording.info) as drawing:
-        for step, record in recording:
+        for step, record in _whole(recording):
             for sink in drawing.sinks:
                 sink.write(step, record)
             count += 1
             time.sleep(pause_s)
     return count
+
+
+def _whole(recording: Recording) -> Iterator[tuple[int, Record]]:
+    """Steps and records up to where the recording is damaged or cut short, which is said; an error if that is none."""
+    count = 0
+    try:
+        for step, record in recording:
+            yield step, record
+            count += 1
+    except RecordingError as error:
+        if not count:
+            raise
+        say(f"note: drawn as far as it is whole, {count} record{'s' * (count > 1)}; {error}")
 
 
 @contextmanager

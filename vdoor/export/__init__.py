@@ -20,7 +20,7 @@ from vdoor.export.labels import to_labels
 from vdoor.export.nav2_route import to_nav2_route
 from vdoor.export.node_link import to_json
 from vdoor.export.raster import SUFFIXES, Raster
-from vdoor.export.reading import Finished, files_of, own_origin_cm, read_finished
+from vdoor.export.reading import Finished, files_of, read_finished
 from vdoor.export.report import to_report
 from vdoor.export.rmf import to_rmf
 from vdoor.export.svg import to_svg
@@ -35,7 +35,6 @@ __all__ = [
     "Raster",
     "Writer",
     "files_of",
-    "own_origin_cm",
     "read_finished",
     "refuse_files",
     "save",
@@ -70,7 +69,7 @@ WRITERS = (
     Writer("geojson", to_geojson),
     Writer("labels", to_labels, image=True),
     Writer("keepout", to_keepout, takes=("rooms",), image=True, needs_rooms=True),
-    Writer("virtual-walls", to_virtual_walls, takes=("rooms", "own_origin_cm")),
+    Writer("virtual-walls", to_virtual_walls, takes=("rooms",)),
     Writer("rmf", to_rmf),
     Writer("svg", to_svg),
     Writer("report", to_report, takes=("story",)),
@@ -131,7 +130,7 @@ class Export:
 
     def content(self, finished: Finished) -> str | Raster:
         """The text or image; `VdoorError` where this map does not have it."""
-        choices = {"rooms": self.rooms, "own_origin_cm": finished.own_origin_cm, "story": finished.story}
+        choices = {"rooms": self.rooms, "story": finished.story}
         return self.writer.write(finished.topology, **{name: choices[name] for name in self.writer.takes})
 
     def put(self, content: str | Raster) -> list[Path]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -16,11 +17,10 @@ from vdoor.errors import RecordingError, VdoorError
 from vdoor.evaluate.reading import read_labels, read_table
 from vdoor.export.geometry import area_m2
 from vdoor.export.report.story import Story
-from vdoor.formats import read_annotations
 from vdoor.formats.reading import checked_resolution_m, shown
 from vdoor.formats.result import NAMES, SCHEMA
-from vdoor.grid import Source
 from vdoor.pipeline import RECORDS
+from vdoor.prepare import in_own_frame
 from vdoor.record import TEXT, Frame
 from vdoor.recording.mcap import read_recording
 from vdoor.stages.doors import KINDS
@@ -38,8 +38,6 @@ class Finished:
     """What a run ended with."""
 
     topology: TopologicalMap
-    own_origin_cm: tuple[float, float] | None = None
-    """Where the map frame's origin lies in the robot's own frame, None where the map says nothing of one."""
     story: Story | None = None
     """How the run came to it, where that was asked for."""
     settings: Mapping[str, Any] = field(default_factory=dict)
@@ -55,12 +53,6 @@ def read_finished(path: str | Path, *, story: bool = False) -> Finished:
     return read_result(path, story=story) if path.is_dir() else read_last(path, story=story)
 
 
-def own_origin_cm(source: Source) -> tuple[float, float] | None:
-    """Where the map frame's origin lies in the frame of the robot that made the map, None for maps without one."""
-    annotations = read_annotations(source)
-    return annotations.own_origin_cm if annotations else None
-
-
 def files_of(path: Path) -> list[Path]:
     """The files that `read_finished` reads, and those that belong to them."""
     return [path / name for name in NAMES] if path.is_dir() else [path]
@@ -74,7 +66,7 @@ def read_last(path: Path, *, story: bool = False) -> Finished:
     for step, record in recording:
         topic = record.topic
         if isinstance(record, TopologicalMap):
-            return Finished(record, own_origin_cm(recording.info.source), told, recording.info.settings)
+            return Finished(in_own_frame(record, recording.info.source), told, recording.info.settings)
         if told:
             told.write(step, record)
     raise RecordingError(f"recording: wanted a run that is finished, found one that ends with {topic}: {path}")
@@ -105,7 +97,8 @@ def read_result(folder: Path, *, story: bool = False) -> Finished:
         annotations = document.get("annotations")
         origin_cm = _point(annotations["own_origin_cm"]) if annotations else None
         told = Story.of_result(folder, document, topology.frame) if story else None
-        return Finished(topology, origin_cm, told, dict(document["settings"]))
+        topology = dataclasses.replace(topology, own_origin_cm=origin_cm)
+        return Finished(topology, told, dict(document["settings"]))
 
 
 def _assembled(

@@ -130,8 +130,14 @@ def _last(places: Iterable[tuple[Bag, list[Connection]]], limit: int) -> bytes:
 
 
 def _recorded(path: Path) -> Source:
-    """The files that a recording of vdoor's own was made of; none where it was made of an array."""
-    return read_recording(path, types=()).info.source
+    """The files that a recording of vdoor's own was made of; none where it was made of an array.
+
+    Raises `RecordingError` where they cannot be read: the recording is damaged.
+    """
+    recording = read_recording(path, types=())
+    if recording.lost:
+        raise RecordingError(f"recording: damaged, its {', '.join(recording.lost)} cannot be read: {path}")
+    return recording.info.source
 
 
 @contextmanager

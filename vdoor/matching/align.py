@@ -15,6 +15,7 @@ from vdoor.topology import TopologicalMap
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int32]
 
+CM_PER_M = 100
 MOST_SIDE = 1024
 """Cells along the longer side of the rasters that are shifted over each other."""
 PEAKS = 8
@@ -35,15 +36,14 @@ class Alignment:
     """Share of the area of both maps' rooms that is in both, 0 to 1."""
 
 
-def aligned(old: TopologicalMap, new: TopologicalMap, *, known_m: Point = (0.0, 0.0)) -> Alignment:
+def aligned(old: TopologicalMap, new: TopologicalMap) -> Alignment:
     """The shift by which the rooms of both maps lie over each other best; the known one where that is as good.
 
-    `known_m` is the shift that the maps' own frames say, if the robot has not lost its place between them. Maps may be
-    of different resolutions, sizes and origins, and one may show more than the other. They are not turned: frames that
-    are turned to each other are taken as they say.
+    Maps may be of different resolutions, sizes and origins, and one may show more than the other. They are not turned:
+    frames that are turned to each other are taken as they say.
     """
     overlap = _Overlap(old, new)
-    shifts = [np.array(known_m), *_candidates(old, new)]
+    shifts = [np.array(known_shift_m(old, new)), *_candidates(old, new)]
     found = [(shift, overlap(shift)) for shift in shifts]
     still = found[0][1]
     best, most = max(found[1:], key=lambda pair: pair[1], default=found[0])
@@ -52,6 +52,14 @@ def aligned(old: TopologicalMap, new: TopologicalMap, *, known_m: Point = (0.0, 
     if most < still + BETTER:
         best, most = found[0]
     return Alignment((float(best[0]), float(best[1])), most)
+
+
+def known_shift_m(old: TopologicalMap, new: TopologicalMap) -> Point:
+    """How far the older map's frame lies from the new one's, if the robot has not lost its place between them."""
+    if old.own_origin_cm is None or new.own_origin_cm is None:
+        return 0.0, 0.0
+    (old_x_cm, old_y_cm), (x_cm, y_cm) = old.own_origin_cm, new.own_origin_cm
+    return (old_x_cm - x_cm) / CM_PER_M, (y_cm - old_y_cm) / CM_PER_M  # the robot's y runs down
 
 
 def labels_under(old: TopologicalMap, points_m: Floats, shift_m: Floats) -> Ints:

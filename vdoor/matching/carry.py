@@ -12,18 +12,15 @@ import numpy as np
 from vdoor.config import replaced
 from vdoor.edits import FORMS, MOST_ID, Edit
 from vdoor.errors import SettingError
-from vdoor.formats import read_annotations
 from vdoor.grid import OccupancyGrid
 from vdoor.matching.align import aligned
 from vdoor.matching.rooms import Match, match
-from vdoor.pipeline import AnyPipeline
-from vdoor.places import Point
+from vdoor.pipeline import AnyPipeline, prepared, run_prepared
 from vdoor.record import Record
 from vdoor.stages.edit import DONE, NEEDLESS, VERDICTS, EditRooms, Edits
 from vdoor.topology import TopologicalMap
 
 R = TypeVar("R", bound=Record)
-CM_PER_M = 100
 
 
 @dataclass(frozen=True)
@@ -34,22 +31,12 @@ class Older:
     edits: tuple[Edit, ...] = ()
     taken: int = 0
     """The highest id that a room had before it."""
-    own_origin_cm: Point | None = None
-    """Where its map frame's origin lies in the robot's own frame, whose y runs down."""
 
     @classmethod
-    def of(cls, topology: TopologicalMap, settings: Mapping[str, Any], own_origin_cm: Point | None = None) -> Older:
+    def of(cls, topology: TopologicalMap, settings: Mapping[str, Any]) -> Older:
         """A finished run by its map and settings; `SettingError` for edits that are none."""
         stage = replaced(EditRooms(), _table(settings), "settings of the result: edit")
-        return cls(topology, stage.parsed, stage.taken, own_origin_cm)
-
-    def known_m(self, grid: OccupancyGrid) -> Point:
-        """How far its frame lies from that of a new map by what their files say."""
-        said = read_annotations(grid.source)
-        if said is None or self.own_origin_cm is None:
-            return 0.0, 0.0
-        (x_cm, y_cm), (old_x_cm, old_y_cm) = said.own_origin_cm, self.own_origin_cm
-        return (old_x_cm - x_cm) / CM_PER_M, (y_cm - old_y_cm) / CM_PER_M
+        return cls(topology, stage.parsed, stage.taken)
 
 
 def carried_over(
@@ -59,10 +46,11 @@ def carried_over(
 
     To find them the run is done once, and once more where the older run has edits that come over with it (`edits_too`):
     those that change where rooms and doors are, moved to where they belong on the new map. Ids and names that the
-    pipeline's own edits give stand.
+    pipeline's own edits give stand. The pipeline is prepared for the map, if it is not.
     """
+    pipeline = prepared(pipeline, grid).pipeline
     topology, edits = _run(pipeline, grid, seed)
-    alignment = aligned(older.topology, topology, known_m=older.known_m(grid))
+    alignment = aligned(older.topology, topology)
     shapes = [str(edit.moved(alignment.shift_m)) for edit in older.edits if edit.shapes and edits_too]
     if shapes:
         pipeline = _with_edits(pipeline, [*shapes, *pipeline.edit.edits])
@@ -94,7 +82,7 @@ def _run(pipeline: AnyPipeline, grid: OccupancyGrid, seed: int) -> tuple[Topolog
             seen.append(record)
         return record
 
-    return pipeline(grid, np.random.default_rng(seed), emit), (seen[0] if seen else None)
+    return run_prepared(grid, pipeline, seed=seed, emit=emit), (seen[0] if seen else None)
 
 
 def _with_edits(pipeline: AnyPipeline, edits: Sequence[str], *, taken: int | None = None) -> AnyPipeline:

@@ -10,6 +10,7 @@ from typing import Any
 from vdoor.emit import RunInfo
 from vdoor.errors import RecordingError
 from vdoor.grid import Source
+from vdoor.recording.attached import Attached, files_of
 
 CHECKSUM = "checksum"
 """Entry with the SHA-256 of all others: the file's own checksum comes too late for who reads only the settings."""
@@ -41,13 +42,13 @@ def to_text(info: RunInfo) -> dict[str, str]:
     return text | {CHECKSUM: _checksum(text)}
 
 
-def from_text(text: Mapping[str, str], files: Sequence[tuple[str, bytes]]) -> RunInfo:
-    """Information on a run from its texts and the source files that were stored with it.
+def from_text(text: Mapping[str, str], attachments: Sequence[Attached]) -> RunInfo:
+    """Information on a run from its texts and the source files that were attached to it.
 
     Raises `RecordingError` where the schema is another, a text is missing, damaged or no such text, or a file is not
     the one that was recorded.
     """
-    names = source_names(text)
+    names, files = source_names(text), files_of(attachments)
     try:
         info = RunInfo(
             version=text["version"],
@@ -69,7 +70,7 @@ def from_text(text: Mapping[str, str], files: Sequence[tuple[str, bytes]]) -> Ru
     return info
 
 
-def salvaged(text: Mapping[str, str] | None, files: Sequence[tuple[str, bytes]]) -> tuple[RunInfo, list[str]]:
+def salvaged(text: Mapping[str, str] | None, attachments: Sequence[Attached]) -> tuple[RunInfo, list[str]]:
     """What is whole of the information on a run, and what is not, one line each.
 
     Raises `RecordingError` where it is of another schema.
@@ -78,10 +79,9 @@ def salvaged(text: Mapping[str, str] | None, files: Sequence[tuple[str, bytes]])
         return LOST, ["preset, settings, seed and source files of the run"]
     names = source_names(text)
     try:
-        return from_text(text, files), []
+        return from_text(text, attachments), []
     except RecordingError:
-        none = {"source_files": "[]", "source_sha256": "[]"}
-        bare = {**text, **none}
+        bare = {**text, "source_files": "[]", "source_sha256": "[]"}
         return from_text(bare | {CHECKSUM: _checksum(bare)}, ()), [f"source files: {', '.join(names)}"]
 
 

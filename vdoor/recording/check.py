@@ -49,11 +49,13 @@ def check(path: Path, *, types: Sequence[type[Record]], emits: Emits | None = No
     with naming(path):
         path.open("rb").close()
     info: RunInfo | None = None
+    absent: list[str] = []
     steps: list[tuple[int, str]] = []
     damage: list[str] = []
     try:
         recording = read_recording(path, types=types)
         info = recording.info
+        absent.extend(recording.lost)
         steps.extend((step, record.topic) for step, record in recording)
     except RecordingError as error:
         damage.append(str(error))
@@ -68,7 +70,7 @@ def check(path: Path, *, types: Sequence[type[Record]], emits: Emits | None = No
         info=info,
         records=dict(Counter(topic for _, topic in steps)),
         damage=tuple(dict.fromkeys(text.removesuffix(f": {path}") for text in damage)),
-        missing=tuple(lost(steps, wanted(info, steps, types=types, emits=emits))) if info else (),
+        missing=(*absent, *lost(steps, wanted(info, steps, types=types, emits=emits))) if info else (),
         ended_in=steps[-1][1] if steps else "",
     )
 

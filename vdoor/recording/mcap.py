@@ -25,6 +25,7 @@ from vdoor.grid import OccupancyGrid
 from vdoor.hold import held_signals
 from vdoor.record import Record
 from vdoor.recording import about, codec, ros, viewers
+from vdoor.recording.attached import Attached, attached
 from vdoor.recording.printable import printable
 
 if TYPE_CHECKING:
@@ -47,7 +48,8 @@ def time_ns(step: int) -> int:
 class McapSink:
     """Records a run in an MCAP file (ROS 2 profile, CDR, zstd, all CRCs and indexes).
 
-    What `write` was given is in the file when it returns. Raises `RecordingError` where the file cannot be written.
+    What `write` was given is in the file when it returns. The map's files come behind the first record, the map itself,
+    which so comes back out of a file cut short in them. Raises `RecordingError` where the file cannot be written.
     """
 
     def __init__(self, path: Path, info: RunInfo) -> None:
@@ -57,14 +59,14 @@ class McapSink:
         self._schemas: dict[str, int] = {}
         self._channels: dict[str, int] = {}
         self._cells: NDArray[np.int8] | None = None
+        self._files = info.source.files
+        """Those of the map that are not in the file yet."""
         with _naming_unwritable(path):
             self._stream = path.open("wb")
         self._writer = Writer(self._stream, enable_data_crcs=True)
         with self._writing():
             self._writer.start(profile="ros2")
             self._writer.add_metadata(METADATA, about.to_text(info))
-            for name, data in info.source.files:
-                self._writer.add_attachment(EPOCH_NS, EPOCH_NS, name, "application/octet-stream", data)
             self._writer.flush()  # type: ignore[no-untyped-call]
 
     def write(self, step: int, record: Record) -> None:
@@ -78,14 +80,24 @@ class McapSink:
             for topic, name, data in messages:
                 self._writer.add_message(self._channel(topic, name), now_ns, data, now_ns, step)  # type: ignore[arg-type]  # any buffer will do
             self._writer.flush()  # type: ignore[no-untyped-call]
+            self._attach_files()
 
     def close(self) -> None:
         """Write the indexes and close the file; of a file that could not be written there is nothing left to close."""
         if self._stream.closed:
             return
         with held_signals(), self._writing():  # half a footer could not be finished by closing again
+            self._attach_files()
             self._writer.finish()  # type: ignore[no-untyped-call]
             self._stream.close()
+
+    def _attach_files(self) -> None:
+        """Write the map's files, once."""
+        files, self._files = self._files, ()
+        for name, media_type, data in attached(files):
+            self._writer.add_attachment(EPOCH_NS, EPOCH_NS, name, media_type, data)
+        if files:
+            self._writer.flush()  # type: ignore[no-untyped-call]
 
     def _channel(self, topic: str, name: str) -> int:
         """Give the number of the channel of `topic` with messages of type `name`, made at first use."""
@@ -118,6 +130,8 @@ class Recording:
     path: Path
     info: RunInfo
     types: tuple[type[Record], ...]
+    lost: tuple[str, ...] = ()
+    """What of the run's own words was cut off, one line each; its records are found when iterating."""
 
     def __iter__(self) -> Iterator[tuple[int, Record]]:
         """Pairs of step and record; `RecordingError` for parts that are missing, unknown or do not fit the record."""
@@ -137,23 +151,33 @@ def read_recording(path: Path, *, types: Sequence[type[Record]]) -> Recording:
     Raises `RecordingError` where there is none, or one of another schema; damage further on is found when iterating.
     """
     with naming(path):
-        return Recording(path, _info(path), tuple(types))
+        info, lost = _info(path)
+        return Recording(path, info, tuple(types), tuple(lost))
 
 
-def _info(path: Path) -> RunInfo:
-    """Information on the run, from the metadata and attachments, which come first in a file."""
-    from mcap.records import Attachment, Metadata  # noqa: PLC0415  # only recordings need it
+def _info(path: Path) -> tuple[RunInfo, list[str]]:
+    """Information on the run: metadata, and the map's files, which come behind the first record, or before it, as once.
+
+    Of a file that is cut short before these are all there, it is what is known without them, and what was lost.
+    """
+    from mcap.exceptions import EndOfFile  # noqa: PLC0415  # only recordings need it
+    from mcap.records import Attachment, Metadata  # noqa: PLC0415
 
     text: dict[str, str] | None = None
     names: list[str] = []
-    files: list[tuple[str, bytes]] = []
-    for _, _, record in scan(path):
-        if isinstance(record, Metadata) and record.name == METADATA:
-            text, names = record.metadata, about.source_names(record.metadata)
-        elif isinstance(record, Attachment):
-            files.append((record.name, record.data))
-        if text is not None and len(files) >= len(names):
-            return about.from_text(text, files)
+    files: list[Attached] = []
+    try:
+        for _, _, record in scan(path):
+            if isinstance(record, Metadata) and record.name == METADATA:
+                text, names = record.metadata, about.source_names(record.metadata)
+            elif isinstance(record, Attachment):
+                files.append(Attached(record.name, record.media_type, record.data))
+            if text is not None and len(files) >= len(names):
+                return about.from_text(text, files), []
+    except (EndOfFile, struct.error, UnicodeDecodeError):
+        if text is None:
+            raise
+        return about.salvaged(text, files)
     msg = f"recording: wanted metadata named {METADATA}, {'its source files, ' if text else ''}found none"
     raise RecordingError(msg)
 

@@ -12,6 +12,7 @@ from vdoor.errors import RecordingError
 from vdoor.files import partial_name
 from vdoor.record import Record
 from vdoor.recording import about, codec
+from vdoor.recording.attached import Attached
 from vdoor.recording.check import Emits, lost, wanted
 from vdoor.recording.mcap import METADATA, McapSink, Topics, decoded, find, naming, step_of
 from vdoor.recording.salvage import salvage
@@ -37,7 +38,7 @@ def recover(path: Path, out: Path, *, types: Sequence[type[Record]], emits: Emit
     """
     contents = _Contents(path)
     with naming(path):
-        info, damage = about.salvaged(contents.text, contents.files)
+        info, damage = about.salvaged(contents.text, contents.attachments)
     partial, steps = partial_name(out), list[tuple[int, str]]()
     while partial.exists():  # likely the very file that is to be recovered
         partial = partial_name(partial)
@@ -66,7 +67,7 @@ class _Contents:
 
     def __init__(self, path: Path) -> None:
         self.text: Mapping[str, str] | None = None
-        self.files: list[tuple[str, bytes]] = []
+        self.attachments: list[Attached] = []
         self._path = path
         self._topics = Topics()
         self._bytes_lost = 0
@@ -111,7 +112,7 @@ class _Contents:
         if kind == "Metadata" and item.name == METADATA:
             self.text = self.text or item.metadata
         elif kind == "Attachment":
-            self.files.append((item.name, item.data))
+            self.attachments.append(Attached(item.name, item.media_type, item.data))
         elif kind != "Message":
             deque(self._topics.parts(item), maxlen=0)
 

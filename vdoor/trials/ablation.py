@@ -8,7 +8,7 @@ import numpy as np
 
 from vdoor.pipeline import AnyPipeline
 from vdoor.trials.cases import Trial
-from vdoor.trials.measure import Place, Row, as_it_is, measured, summarised, warm_up
+from vdoor.trials.measure import Row, measured, summarised, warm_up
 from vdoor.trials.variants import VARIANTS, Variant
 
 
@@ -19,7 +19,6 @@ def ablation(
     variants: Sequence[Variant] = VARIANTS,
     models: Sequence[Variant] = (),
     seed: int = 0,
-    place: Place = as_it_is,
 ) -> Iterator[Row]:
     """A row for each variant and model, then mean and spread over the models if there are several."""
     # All settings are checked before the first run.
@@ -27,9 +26,7 @@ def ablation(
     warm_up(trials, pipeline)
     found = []
     for variant in (*variants, *models):
-        row = summarised(
-            variant.name, (measured(trial, pipelines[variant.name], seed=seed, place=place) for trial in trials)
-        )
+        row = summarised(variant.name, (measured(trial, pipelines[variant.name], seed=seed) for trial in trials))
         found.append(row)
         yield row
     if len(models) > 1:

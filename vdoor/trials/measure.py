@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -12,12 +12,9 @@ import numpy as np
 from vdoor.emit import Emit, silent
 from vdoor.errors import MapError
 from vdoor.evaluate import Evaluation, evaluate, means, pooled, rooms_of
-from vdoor.grid import OccupancyGrid
-from vdoor.pipeline import AnyPipeline, run
+from vdoor.pipeline import AnyPipeline, prepared
 from vdoor.trials.cases import Trial
 
-Place = Callable[[AnyPipeline, OccupancyGrid], AnyPipeline]
-"""The pipeline with what a map's file says of the robot."""
 FIGURES = (
     "door_precision",
     "door_recall",
@@ -52,20 +49,16 @@ class Row:
     """Of each map."""
 
 
-def as_it_is(pipeline: AnyPipeline, _: OccupancyGrid) -> AnyPipeline:
-    """The pipeline, wherever the robot is."""
-    return pipeline
+def measured(trial: Trial, pipeline: AnyPipeline, *, seed: int = 0, emit: Emit = silent) -> Outcome:
+    """The division of one map by the pipeline prepared for it, against the truth.
 
-
-def measured(
-    trial: Trial, pipeline: AnyPipeline, *, seed: int = 0, place: Place = as_it_is, emit: Emit = silent
-) -> Outcome:
-    """The pipeline's division of one map against the truth; MapError with the map's name where it finds nothing."""
+    Raises `MapError` with the map's name where it finds nothing.
+    """
     grid = trial.division.grid
     try:
-        there = place(pipeline, grid)
+        there = prepared(pipeline, grid).pipeline
         start_s = time.process_time()
-        topology = run(grid, there, seed=seed, emit=emit)
+        topology = there(grid, np.random.default_rng(seed), emit)
         cpu_s = time.process_time() - start_s
     except MapError as error:
         raise MapError(f"{trial.name}: {error}") from error

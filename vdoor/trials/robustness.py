@@ -13,7 +13,7 @@ from vdoor.pipeline import AnyPipeline
 from vdoor.record import Frame
 from vdoor.trials.cases import Trial
 from vdoor.trials.changes import CHANGES, Change, Sheet
-from vdoor.trials.measure import Place, Row, as_it_is, measured, summarised, warm_up
+from vdoor.trials.measure import Row, measured, summarised, warm_up
 
 DIFFERENCE = "door_f1_difference"
 
@@ -24,7 +24,6 @@ def robustness(
     *,
     changes: Sequence[Change] = CHANGES,
     seed: int = 0,
-    place: Place = as_it_is,
 ) -> Iterator[Row]:
     """A row for each change, with what it adds to the first one's mean door F1."""
     warm_up(trials, pipeline)
@@ -32,10 +31,7 @@ def robustness(
     for change in changes:
         row = summarised(
             change.name,
-            (
-                measured(changed(trial, change, np.random.default_rng(seed)), pipeline, seed=seed, place=place)
-                for trial in trials
-            ),
+            (measured(changed(trial, change, np.random.default_rng(seed)), pipeline, seed=seed) for trial in trials),
         )
         first = row.figures["door_f1"] if first is None else first
         yield dataclasses.replace(row, figures=row.figures | {DIFFERENCE: row.figures["door_f1"] - first})

@@ -19,7 +19,7 @@ from vdoor.stages.doors import PROPOSED, VirtualDoors
 from vdoor.stages.search import Generation
 from vdoor.topology import TopologicalMap
 from vdoor.trials.cases import Trial
-from vdoor.trials.measure import Place, as_it_is, measured
+from vdoor.trials.measure import measured
 from vdoor.trials.steps import Setting, Step
 
 R = TypeVar("R", bound=Record)
@@ -75,13 +75,13 @@ class Seen(NamedTuple):
     error: str = ""
 
 
-def swept(steps: Sequence[Step], trials: Sequence[Trial], *, place: Place = as_it_is) -> Iterator[Point]:
+def swept(steps: Sequence[Step], trials: Sequence[Trial]) -> Iterator[Point]:
     """A point for each step; equal runs are done once."""
     known: dict[tuple[AnyPipeline, int], list[Seen]] = {}
     for step in steps:
         run = step.pipeline, step.seed
         if run not in known:
-            known[run] = [seen(trial, *run, place) for trial in trials]
+            known[run] = [seen(trial, *run) for trial in trials]
         yield point(step, known[run])
 
 
@@ -120,7 +120,7 @@ def by_setting(points: Sequence[Point]) -> dict[Setting, list[Point]]:
     return {setting: list(own) for setting, own in itertools.groupby(points, key=lambda point: point.setting)}
 
 
-def seen(trial: Trial, pipeline: AnyPipeline, seed: int, place: Place) -> Seen:
+def seen(trial: Trial, pipeline: AnyPipeline, seed: int) -> Seen:
     """One run on one map, measured; a run that fails counts as one that finds nothing."""
     kept: dict[type[Record], Record] = {}
 
@@ -129,7 +129,7 @@ def seen(trial: Trial, pipeline: AnyPipeline, seed: int, place: Place) -> Seen:
         return record
 
     try:
-        evaluation = measured(trial, pipeline, seed=seed, place=place, emit=keep).evaluation
+        evaluation = measured(trial, pipeline, seed=seed, emit=keep).evaluation
     except VdoorError as error:
         nothing = evaluate(trial.division, trial.reference)
         return Seen(nothing, doors_counted(nothing, Tally()), str(error))
