@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
-from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -92,7 +91,7 @@ def test_the_mean_lies_between_at_the_first_ones_knots() -> None:
 
 def test_equal_seeds_give_equal_curves() -> None:
     def curves(seed: int) -> DoorModel:
-        return fitted_model(lambda: synthetic_lessons(2, 1, seed), default_pipeline(), {})
+        return fitted_model(synthetic_lessons(2, 1, seed), default_pipeline(), {})
 
     assert curves(1) == curves(1)
     assert curves(1) != curves(2)
@@ -124,10 +123,7 @@ def test_the_command_writes_curves_that_a_run_can_use(tmp_path: Path) -> None:
     assert tuple(model_named(str(curves)).last.curves) == FEATURES
     made = json.loads(curves.read_text())["made"]
     assert made["command"] == "vdoor train --homes 3 --offices 1 --seed 0 --rounds 2"
-    rounds = [
-        fitted_model(partial(synthetic_lessons, 3, 1, seed), default_pipeline(), {"labelled_maps": 0})
-        for seed in (0, 1)
-    ]
+    rounds = [fitted_model(synthetic_lessons(3, 1, seed), default_pipeline(), {"labelled_maps": 0}) for seed in (0, 1)]
     assert made["examples"] == sum(one.made["examples"] for one in rounds)
     assert table_of(model_named(str(curves))) == table_of(mean_of(rounds, made))
     again = subprocess.run(

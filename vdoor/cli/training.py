@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -35,7 +34,6 @@ def train(
 ) -> None:
     """Fit the curves that score doors; use them with --set score.model=FILE.json."""
     import functools
-    import itertools
 
     from vdoor import train as training
     from vdoor.errors import SettingError
@@ -57,16 +55,17 @@ def train(
         made["labelled_maps"] = len(own)
         made["command"] += f" --maps {maps.name} --reference {reference.name} --weight {weight:g}"
 
-    def lessons(seed: int) -> Iterator[training.Lesson]:
-        for number, lesson in enumerate(itertools.chain(own, training.synthetic_lessons(homes, offices, seed)), 1):
-            yield lesson
-            if number % 50 == 0:
-                say(f"{number} maps")
+    def told(number: int, draw: training.Draw) -> training.Lesson:
+        if number % 50 == 0:
+            say(f"map {number} of {len(own) + homes + offices}")
+        return draw()
 
     models = []
     for number in range(rounds):
         say(f"round {number + 1} of {rounds}")
-        models.append(training.fitted_model(functools.partial(lessons, seed + number), pipeline, made))
+        draws = [*map(training.known, own), *training.synthetic_lessons(homes, offices, seed + number)]
+        lessons = [functools.partial(told, *both) for both in enumerate(draws, 1)]
+        models.append(training.fitted_model(lessons, pipeline, made))
     model = training.mean_of(models, made)
     training.write_model(output, model)
     said, real = (model.made[name] for name in ("examples", "real_doors"))

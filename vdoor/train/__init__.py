@@ -9,12 +9,12 @@ from typing import Any
 from vdoor.files import write_whole
 from vdoor.pipeline import PRESETS, Pipeline
 from vdoor.stages.door_model import DoorModel, table_of
-from vdoor.train.examples import Lesson, RealDoors, marked_real, real_doors, synthetic_lessons
+from vdoor.train.examples import Draw, Lesson, RealDoors, known, marked_real, real_doors, synthetic_lessons
 from vdoor.train.fit import fitted_model, mean_of
 from vdoor.train.labelled import labelled_lessons
 
 __all__ = [
-    "Lesson", "RealDoors", "default_pipeline", "fitted_model", "labelled_lessons", "marked_real", "mean_of",
+    "Draw", "Lesson", "RealDoors", "default_pipeline", "fitted_model", "known", "labelled_lessons", "marked_real", "mean_of",
     "real_doors", "synthetic_lessons", "write_model",
 ]  # fmt: skip
 

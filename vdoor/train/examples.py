@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -89,12 +90,25 @@ class Lesson(NamedTuple):
     weight: float = 1.0
 
 
-def synthetic_lessons(homes: int, offices: int, seed: int) -> Iterator[Lesson]:
+Draw = Callable[[], Lesson]
+"""A lesson that is drawn, or read, when it is asked for: the same each time."""
+
+
+def known(lesson: Lesson) -> Draw:
+    """A lesson that is there already."""
+    return lambda: lesson
+
+
+def synthetic_lessons(homes: int, offices: int, seed: int) -> list[Draw]:
     """So many synthetic homes and office floors; equal seeds give equal ones."""
-    for number, count in enumerate((homes, offices)):
-        for index in range(count):
-            made = synthesize(drawn_kind(number, index), np.random.default_rng([seed, number, index]))
-            yield Lesson(made.grid, real_doors(made))
+    numbers = [(0, index) for index in range(homes)] + [(1, index) for index in range(offices)]
+    return [partial(drawn_lesson, number, index, seed) for number, index in numbers]
+
+
+def drawn_lesson(number: int, index: int, seed: int) -> Lesson:
+    """The index-th synthetic home (0) or floor (1)."""
+    made = synthesize(drawn_kind(number, index), np.random.default_rng([seed, number, index]))
+    return Lesson(made.grid, real_doors(made))
 
 
 def drawn_kind(number: int, index: int) -> Home | Office:

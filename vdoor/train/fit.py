@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import itertools
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
@@ -15,7 +14,7 @@ from vdoor.pipeline import Pipeline
 from vdoor.stages.door_model import Curve, Curves, DoorModel, Rough
 from vdoor.stages.features import FEATURES, FIRST
 from vdoor.stages.shut import SHUT
-from vdoor.train.examples import Examples, Lesson, examples
+from vdoor.train.examples import Draw, Examples, examples
 
 Floats = NDArray[np.float64]
 
@@ -27,11 +26,10 @@ SMOOTH, RIDGE, TOGETHER = 10.0, 2.0, 10.0
 """How strongly bends, values, and the difference between clean and ragged maps are held down."""
 
 
-def fitted_model(lessons: Callable[[], Iterable[Lesson]], pipeline: Pipeline, made: dict[str, Any]) -> DoorModel:
-    """Curves for both looks; `lessons` gives the same maps each time, `made` is completed by what they held."""
-    some = itertools.islice(lessons(), 0, None, FIRST_EVERY)
-    first = fitted([examples(lesson, pipeline) for lesson in some], FIRST)
-    data = [examples(lesson, pipeline, first) for lesson in lessons()]
+def fitted_model(lessons: Sequence[Draw], pipeline: Pipeline, made: dict[str, Any]) -> DoorModel:
+    """Curves for both looks; `made` is completed by what the lessons held."""
+    first = fitted([examples(lesson(), pipeline) for lesson in lessons[::FIRST_EVERY]], FIRST)
+    data = [examples(lesson(), pipeline, first) for lesson in lessons]
     said = sum(int((part.weight > 0).sum()) for part in data)
     real = sum(int(part.real.sum()) for part in data)
     return DoorModel(
