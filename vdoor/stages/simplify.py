@@ -16,7 +16,7 @@ from vdoor.errors import MapError, SettingError
 from vdoor.grid import FREE, OCCUPIED, UNKNOWN, OccupancyGrid
 from vdoor.record import Frame, Record, Spec
 from vdoor.stages.runs import runs_of
-from vdoor.stages.spaces import furniture, gaps, in_line
+from vdoor.stages.spaces import Spaces, furniture, in_line
 
 Mask = NDArray[np.bool_]
 
@@ -27,7 +27,7 @@ SURE_SHARE = 0.7
 CHANNEL_LONG_M = 0.4
 DASH_THICK_M, DASH_LONG_M = 0.3, 0.25
 """A wall drawn in dashes is no thicker, and one of two dashes in line is at least so long."""
-SPACE_M2 = 0.25
+SPACE_M2 = 0.2
 """Less free space than this, in a corner behind a bin, is none that a robot could be kept apart from."""
 EPSILON = 1e-9
 AROUND = ((0, 0), (0, 1), (0, 2), (1, 0), (1, 2), (2, 0), (2, 1), (2, 2))
@@ -98,7 +98,7 @@ class SimplifyGrid:
         reason[(known_free | thin) & ~free] = REASONS.index("unreachable")
         free = self._without_furniture(free, thin & free, reason, frame)
         if self.gap_m > 0:
-            free = self._closed(free, gaps(free, cells_in(self.gap_m, frame)), reason, frame)
+            free = self._closed(free, Spaces.of(free, cells_in(self.gap_m, frame)).gap, reason, frame)
         free = self._without_slits(free, reason, frame)
         run = max(1, round(self.jut_m / frame.resolution_m))
         for name, changed in zip(("jut", "notch"), flatten(free, run, self.passes), strict=True):

@@ -7,6 +7,9 @@ two spaces that were apart.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from typing import TypeVar
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
@@ -15,51 +18,75 @@ from skimage.measure import label as label_cells
 Ints = NDArray[np.int32]
 Mask = NDArray[np.bool_]
 Box = tuple[slice, ...]
+Number = TypeVar("Number", np.bool_, np.int32)
 
-CORNERS_TOO = np.ones((3, 3), np.bool_)
 AROUND = tuple((down, right) for down in range(3) for right in range(3) if (down, right) != (1, 1))
 BESIDE = 2
 """Cells beyond a gap's width within which narrow places beside an obstacle count as a part of it."""
+AROUND_GAP = 2
+"""Cells around a narrow place within which the space beside a nook hangs together."""
 SHORTEST_DASH = 2
 """Cells: less is a speck."""
 
 
-def gaps(free: Mask, wide: int) -> Mask:
-    """Free cells (h, w) of gaps at most `wide` cells wide: of narrow places with space for a robot on two sides.
+@dataclass(frozen=True, eq=False)
+class Spaces:
+    """Where a robot can be, and what it does not fit into; all (h, w)."""
 
-    Nooks, which have it on one side, stay. A round robot decides, whatever the direction of the walls. Where they run
-    along the grid a square one decides as well: it fits into corners, and not into the ends of a gap.
-    """
-    found = np.zeros_like(free)
-    for element in (disc(wide + 1), square(wide + 1)):
-        found |= between_spaces(free, free & ~opened(free, element))
-    return found
+    label: Ints
+    """Number of the space that a free cell belongs to, 0 in narrow places."""
+    gap: Mask
+    """Free cells between two spaces, or between two sides of one: closed for the robot."""
+    narrow: Mask
+    """Free cells that it does not reach, gaps and nooks."""
+
+    @classmethod
+    def of(cls, free: Mask, wide: int) -> Spaces:
+        """The spaces of a robot that does not fit through `wide` cells.
+
+        It is round, so that the direction of walls does not matter. Where they run along the grid a square one finds
+        gaps as well: it does not reach into their ends.
+        """
+        element = disc(wide + 1)
+        found, count = ndimage.label(room_for(free, element))
+        centre = found.astype(np.int32)
+        label = covered(centre, element, free.shape)
+        lowest = (
+            count + 1 - covered(np.where(centre > 0, np.int32(count + 1) - centre, np.int32(0)), element, free.shape)
+        )
+        narrow = free & (label == 0)
+        gap = beside_other(label) | ((label > 0) & (label != lowest))
+        gap |= between_sides(narrow, label)
+        gap |= between_sides(free & ~opened(free, square(wide + 1)), label)
+        return cls(np.where(gap, 0, label).astype(np.int32), gap, narrow | gap)
 
 
 def furniture(free: Mask, loose: Mask, *, gap: int, around: int, least: float) -> Mask:
     """The loose cells (h, w) that may go: all but those of walls.
 
-    Loose pieces with only gaps of at most `gap` cells between them are a group. It is a wall if it keeps two spaces
-    apart beside one of its pieces: if there is no way from one to the other, or none within `around` cells of the
-    piece. Spaces have at least `least` cells there.
+    Loose pieces with only narrow places for a robot between them, which does not fit through `gap` cells, are a group.
+    It is a wall if it keeps two spaces apart: if there is no way from one to the other, or, beside one of its pieces,
+    none within `around` cells. Spaces of fewer than `least` cells do not count.
     """
-    closed = gaps(free, gap) | (free & ~opened(free, disc(gap + 1)))
-    space = free & ~closed
-    piece, narrow, group = (label_cells(mask, connectivity=2) for mask in (loose, closed, loose | closed))
+    spaces = Spaces.of(free, gap)
+    piece, narrow, group = (label_cells(mask, connectivity=2) for mask in (loose, spaces.narrow, loose | spaces.narrow))
+    large = np.bincount(spaces.label.ravel()) >= least
     boxes = ndimage.find_objects(piece)
     walls: set[int] = set()
-    # A piece without a narrow place beside it stands in one space, which leads around it.
-    for number in np.unique(pairs_beside(piece, narrow)[:, 0]).tolist():
+    beside: dict[int, set[int]] = {}
+    # Around a piece without narrow places or other obstacles beside it leads the space that it stands in.
+    for number in np.unique(pairs_beside(piece, (spaces.narrow | ~(free | loose)).astype(np.int32))[:, 0]).tolist():
         box, near = boxes[number - 1], grown(boxes[number - 1], max(around, gap + BESIDE), free.shape)
         obstacle = piece[near] == number
         own = int(group[near][obstacle][0])
-        if own in walls:
-            continue
-        beside = narrow[near] * inside(grown(box, gap + BESIDE, free.shape), near)
-        obstacle |= np.isin(beside, np.setdiff1d(beside[spread(obstacle)], 0))
-        part, _ = ndimage.label(space[near])
-        touched = np.setdiff1d(part[spread(obstacle)], 0)
-        if (np.bincount(part.ravel())[touched] >= least).sum() > 1:
+        close = narrow[near] * inside(grown(box, gap + BESIDE, free.shape), near)
+        at = spread(obstacle | np.isin(close, np.setdiff1d(close[spread(obstacle)], 0)))
+        label = spaces.label[near]
+        found = beside.setdefault(own, set())
+        found.update(space for space in np.setdiff1d(label[at], 0).tolist() if large[space])
+        part, _ = ndimage.label(label)
+        sides = np.bincount(part.ravel())[np.setdiff1d(part[at], 0)]
+        if len(found) > 1 or (sides >= least).sum() > 1:
             walls.add(own)
     return loose & ~np.isin(group, list(walls))
 
@@ -91,32 +118,57 @@ def disc(side: int) -> Mask:
 
 def opened(mask: Mask, element: Mask) -> Mask:
     """The cells that an element (j, k) covers wherever it has room in the mask (h, w)."""
+    return covered(room_for(mask, element), element, mask.shape)
+
+
+def room_for(mask: Mask, element: Mask) -> Mask:
+    """Where an element (j, k) has room in a mask (h, w), by its upper left cell, `size` cells before the mask on."""
     size = max(element.shape)
-    height, width = (length + size for length in mask.shape)
-    windows = [np.s_[down : down + height, right : right + width] for down, right in np.argwhere(element).tolist()]
     padded = np.pad(mask, size)
+    height, width = (length + size for length in mask.shape)
     room = np.ones((height, width), np.bool_)
-    for window in windows:
-        room &= padded[window]
-    covered = np.zeros_like(padded)
-    for window in windows:
-        covered[window] |= room
-    return covered[size:-size, size:-size]
+    for down, right in np.argwhere(element).tolist():
+        room &= padded[down : down + height, right : right + width]
+    return room
 
 
-def between_spaces(free: Mask, narrow: Mask) -> Mask:
-    """The pieces of `narrow` around which the other free cells fall apart, as far as they lie beside the piece."""
-    piece = label_cells(narrow, connectivity=2)
-    space = free & ~narrow
-    beside = label_cells(space & spread(narrow), connectivity=2)
-    boxes = ndimage.find_objects(piece)
-    found = np.zeros_like(free)
-    for number in np.flatnonzero(np.bincount(pairs_beside(piece, beside)[:, 0], minlength=1) > 1).tolist():
-        box, near = boxes[number - 1], grown(boxes[number - 1], 1, free.shape)
-        part, _ = ndimage.label(space[near], CORNERS_TOO)
-        if len(np.setdiff1d(part[spread(piece[near] == number)], 0)) > 1:
-            found[box] |= piece[box] == number
+def covered(value: NDArray[Number], element: Mask, shape: tuple[int, ...]) -> NDArray[Number]:
+    """The greatest value (h, w) of all elements that cover a cell; `value` is laid out as in `room_for`."""
+    size = max(element.shape)
+    found = np.zeros([length + 2 * size for length in shape], value.dtype)
+    for down, right in np.argwhere(element).tolist():
+        window = found[down : down + value.shape[0], right : right + value.shape[1]]
+        np.maximum(window, value, out=window)
+    return found[size:-size, size:-size]
+
+
+def beside_other(label: Ints) -> Mask:
+    """The labelled cells with a cell of another label at one of their sides."""
+    found = np.zeros(label.shape, np.bool_)
+    for one, other in ((np.s_[1:], np.s_[:-1]), (np.s_[:, 1:], np.s_[:, :-1])):
+        differs = (label[one] != label[other]) & (label[one] > 0) & (label[other] > 0)
+        found[one] |= differs
+        found[other] |= differs
     return found
+
+
+def between_sides(narrow: Mask, label: Ints) -> Mask:
+    """The pieces of narrow places that lie between two spaces (h, w), or between two sides of one.
+
+    These are sides that do not hang together around the piece.
+    """
+    piece = label_cells(narrow, connectivity=2)
+    space = np.where(narrow, 0, label)
+    side = label_cells((space > 0) & spread(narrow), connectivity=2)
+    count = int(piece.max(initial=0)) + 1
+    of_spaces, of_sides = (np.bincount(pairs_beside(piece, other)[:, 0], minlength=count) for other in (space, side))
+    gap = of_spaces > 1
+    boxes = ndimage.find_objects(piece)
+    for number in np.flatnonzero((of_sides > 1) & ~gap).tolist():
+        near = grown(boxes[number - 1], AROUND_GAP, narrow.shape)
+        part, _ = ndimage.label(space[near])
+        gap[number] = len(np.setdiff1d(part[spread(piece[near] == number)], 0)) > 1
+    return np.asarray(gap[piece])
 
 
 def spread(mask: Mask) -> Mask:

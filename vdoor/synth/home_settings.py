@@ -85,16 +85,16 @@ class Home:
     """Chance of a home with thin lines of unknown cells in its rooms."""
     specks: float = 0.7
     """Mean number of free or occupied blots out of reach."""
-    hollow_chance: float = 0.04
+    hollow_chance: float = 0.02
     """Chance of a home whose walls, all or some, are outlines with free or unknown cells inside."""
     hollow_wall_min_m: float = 0.15
     """Where walls are hollow they are this thick or more, and three and a half cells where that is more."""
     hollow_wall_max_m: float = 0.6
-    dashed_chance: float = 0.08
+    dashed_chance: float = 0.05
     """Chance of a home whose walls, all or some, are pieces of 0.3 to 1.5 m with gaps between."""
     dash_gap_max_m: float = 0.2
     """Gaps in dashed walls have one to three cells, and not more than this unless a cell is larger."""
-    antialiased_chance: float = 0.1
+    antialiased_chance: float = 0.05
     """Chance of a home whose walls, all or some, have grey edges, which are unknown, around an occupied core."""
     left_out_chance: float = 0.2
     """Chance of a home in which a room was not visited."""

@@ -14,8 +14,8 @@ from vdoor.train.fit import fitted_model, mean_of
 from vdoor.train.labelled import labelled_lessons
 
 __all__ = [
-    "Draw", "Lesson", "RealDoors", "default_pipeline", "fitted_model", "known", "labelled_lessons", "marked_real", "mean_of",
-    "real_doors", "synthetic_lessons", "write_model",
+    "Draw", "Lesson", "RealDoors", "default_pipeline", "fitted_model", "known", "labelled_lessons", "marked_real",
+    "mean_of", "real_doors", "synthetic_lessons", "write_model",
 ]  # fmt: skip
 
 
