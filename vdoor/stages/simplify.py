@@ -16,7 +16,7 @@ from vdoor.errors import MapError, SettingError
 from vdoor.grid import FREE, OCCUPIED, UNKNOWN, OccupancyGrid
 from vdoor.record import Frame, Record, Spec
 from vdoor.stages.runs import runs_of
-from vdoor.stages.spaces import Spaces, furniture, in_line
+from vdoor.stages.spaces import Spaces, furniture, in_line, opened, square
 
 Mask = NDArray[np.bool_]
 
@@ -247,14 +247,7 @@ def small_islands(free: Mask, size: int) -> Mask:
 
 def narrower(free: Mask, thick: int) -> Mask:
     """Free cells where no free square of more than `thick` cells a side has room."""
-    if not thick:
-        return np.zeros_like(free)
-    side = thick + 1
-    padded = np.pad(free, side).view(np.uint8)  # or squares would be cut off by the edge
-    # An opening, by filters that take no longer for large squares.
-    room = ndimage.minimum_filter(padded, side, mode="constant")
-    wide = ndimage.maximum_filter(room, side, mode="constant", origin=side % 2 - 1)
-    return np.asarray(free & (wide[side:-side, side:-side] == 0))
+    return free & ~opened(free, square(thick + 1))
 
 
 def long_pieces(mask: Mask, least: float, connectivity: int = 1) -> Mask:

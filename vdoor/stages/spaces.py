@@ -48,16 +48,18 @@ class Spaces:
         gaps as well: it does not reach into their ends.
         """
         element = disc(wide + 1)
-        found, count = ndimage.label(room_for(free, element))
+        room = room_for(free, element)
+        found, count = ndimage.label(room)
         centre = found.astype(np.int32)
         label = covered(centre, element, free.shape)
-        lowest = (
-            count + 1 - covered(np.where(centre > 0, np.int32(count + 1) - centre, np.int32(0)), element, free.shape)
-        )
-        narrow = free & (label == 0)
-        gap = beside_other(label) | ((label > 0) & (label != lowest))
+        lowest = count + 1 - covered(np.where(room, np.int32(count + 1) - centre, np.int32(0)), element, free.shape)
+        gap = (label > 0) & (label != lowest)  # robots in two spaces reach in here
+        label = np.where(gap, np.int32(0), label)
+        gap |= beside_other(label)
+        narrow = free & ((label == 0) | reached_from_two_sides(room, element, free.shape))
         gap |= between_sides(narrow, label)
         gap |= between_sides(free & ~opened(free, square(wide + 1)), label)
+        narrow = free & (label == 0)
         return cls(np.where(gap, 0, label).astype(np.int32), gap, narrow | gap)
 
 
@@ -142,6 +144,28 @@ def covered(value: NDArray[Number], element: Mask, shape: tuple[int, ...]) -> ND
     return found[size:-size, size:-size]
 
 
+def reached_from_two_sides(room: Mask, element: Mask, shape: tuple[int, ...]) -> Mask:
+    """The cells (h, w) that elements cover from one mouth of a gap and from the other, or that such cells meet in.
+
+    A round robot at either mouth reaches into a gap that it does not get through. What covers a cell there has its
+    middle in two directions, and not in those between; and nothing covers two neighbours that meet.
+    """
+    down, right = len(element) - 1 - 2 * np.indices(element.shape)  # half cells from a cell to the middle
+    direction = np.rint(np.arctan2(down, right) / (np.pi / 4)).astype(int) % 8
+    aside = element & (np.hypot(down, right) > 2)  # noqa: PLR2004  # a cell away from its own place
+    seen = np.stack([covered(room, aside & (direction == way), shape) for way in range(8)])
+    found = (seen & ~np.roll(seen, 1, axis=0)).sum(axis=0) > 1
+    found &= ~covered(room, element & ~aside, shape)
+    reached = covered(room, element, shape)
+    for first, second in ((np.s_[:-1], np.s_[1:]), (np.s_[:, :-1], np.s_[:, 1:])):
+        pair = np.zeros_like(element)
+        pair[first] = element[first] & element[second]
+        meet = (reached[first] & reached[second]) & ~covered(room, pair, shape)[first]
+        found[first] |= meet
+        found[second] |= meet
+    return np.asarray(found)
+
+
 def beside_other(label: Ints) -> Mask:
     """The labelled cells with a cell of another label at one of their sides."""
     found = np.zeros(label.shape, np.bool_)
@@ -159,7 +183,7 @@ def between_sides(narrow: Mask, label: Ints) -> Mask:
     """
     piece = label_cells(narrow, connectivity=2)
     space = np.where(narrow, 0, label)
-    side = label_cells((space > 0) & spread(narrow), connectivity=2)
+    side = label_cells((space > 0) & spread(narrow), connectivity=1)
     count = int(piece.max(initial=0)) + 1
     of_spaces, of_sides = (np.bincount(pairs_beside(piece, other)[:, 0], minlength=count) for other in (space, side))
     gap = of_spaces > 1
