@@ -77,9 +77,12 @@ def segments(doors: VirtualDoors) -> set[frozenset[tuple[int, int]]]:
 
 
 def problem_of(cells: Cells, cost: DoorEnergy | None = None) -> MergeProblem:
-    """The choice among all proposed doors, likely or not, so that there is something to search."""
+    """The choice among all proposed doors, likely or not, however narrow, so that there is something to search."""
     pipeline = Pipeline(
-        simplify=DEFAULT.simplify, doors=DEFAULT.doors, score=ScoreDoors(least_log_odds=-100), cost=DoorEnergy()
+        simplify=dataclasses.replace(DEFAULT.simplify, gap_m=0.0),
+        doors=dataclasses.replace(DEFAULT.doors, least_m=0.0),  # type: ignore[type-var]  # of the wide kind
+        score=ScoreDoors(least_log_odds=-100),
+        cost=DoorEnergy(),
     )
     found = records_of(cells, pipeline)
     return MergeProblem(found[InitialMap], cost or DoorEnergy(), found[DoorScores])

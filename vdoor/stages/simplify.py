@@ -16,7 +16,7 @@ from vdoor.errors import MapError, SettingError
 from vdoor.grid import FREE, OCCUPIED, UNKNOWN, OccupancyGrid
 from vdoor.record import Frame, Record, Spec
 from vdoor.stages.runs import runs_of
-from vdoor.stages.spaces import Spaces, furniture, in_line, opened, square
+from vdoor.stages.spaces import SHORTEST_DASH, Spaces, furniture, in_line, opened, square
 
 Mask = NDArray[np.bool_]
 
@@ -117,7 +117,10 @@ class SimplifyGrid:
         islands = np.zeros_like(free)
         gap = cells_in(self.gap_m, frame)
         if self.max_island_m > 0:
-            line = in_line(free, wide=gap, thick=cells_in(DASH_THICK_M, frame), least=cells_in(DASH_LONG_M, frame))
+            line = np.zeros_like(free)
+            if gap:
+                thick, long = cells_in(DASH_THICK_M, frame), cells_in(DASH_LONG_M, frame)
+                line = in_line(free, wide=gap, thick=thick, least=max(long, SHORTEST_DASH + 1))
             islands = small_islands(free & ~line, max(1, round(self.max_island_m / frame.resolution_m))) & ~free
         if gap:
             known = free & ~thin

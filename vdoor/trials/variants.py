@@ -40,6 +40,7 @@ VARIANTS = (
     Variant(name="whole recipe"),
     Variant(name="islands stay", settings={"simplify": {"max_island_m": 0.0}}),
     Variant(name="thin unknown lines stay", settings={"simplify": {"thin_unknown_m": 0.0}}),
+    Variant(name="gaps stay open, walls in pieces go", settings={"simplify": {"gap_m": 0.0}}),
     Variant(name="slits stay open", settings={"simplify": {"slit_m": 0.0, "channel_m": 0.0}}),
     Variant(name="largest part only", settings={"simplify": {"least_part_m2": 0.0}}),
     Variant(name="no wall extensions", settings={"doors": {"extension_m": NO_EXTENSION_M}}),
