@@ -143,7 +143,7 @@ PRESETS: dict[str, AnyPipeline] = {
             gap_m=0.2,
         ),
         divide=DivideRooms(in_input=True),
-        merge=MergeRooms(least_passage_m=0.3),
+        merge=MergeRooms(passages=False),
         doors=ProposeWideDoors(),
         score=ScoreDoors(),
         cost=DoorEnergy(further_bias=1.0),

@@ -73,6 +73,12 @@ class FlipState:
             self.best_cost, self.best = self.cost, list(self.removed)
         return True
 
+    def open_idle(self) -> None:
+        """Open the kept doors that part nothing, the least likely first."""
+        for edge in self.problem.worst_first.tolist():
+            if not self.removed[edge]:
+                self.open_if_idle(edge)
+
     def open_if_idle(self, edge: int) -> list[list[int]]:
         """Groups of rooms, each by its lowest node, that opening a kept door joins; opens it if it joins none.
 

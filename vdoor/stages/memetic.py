@@ -60,23 +60,16 @@ class MemeticSearch:
 def ordered(problem: MergeProblem, strings: Bits) -> tuple[Bits, Costs]:
     """The strings (p, r) with their costs, the best first and without its doors that part nothing.
 
-    These cost nothing or a clash, and are no doors of the final map: so that this is the string that the record shows.
+    Such doors gain nothing and are none of the final map, which so has all doors that the best string keeps.
     """
     costs = problem.evaluate(strings)
     fittest = np.argsort(costs.cost, kind="stable")
     strings, costs = strings[fittest], Costs(*(term[fittest] for term in costs))
-    strings[0] = without_idle(problem, strings[0])
+    state = FlipState(problem, np.flatnonzero(strings[0]).tolist())
+    state.open_idle()
+    strings[0] = state.removed
     best = problem.evaluate(strings[:1])
     return strings, Costs(*(np.append(one, rest[1:]) for one, rest in zip(best, costs, strict=True)))
-
-
-def without_idle(problem: MergeProblem, removed: Bits) -> Bits:
-    """The string (r,) with the doors removed that part nothing, the least likely first."""
-    state = FlipState(problem, np.flatnonzero(removed).tolist())
-    for edge in problem.worst_first.tolist():
-        if not state.removed[edge]:
-            state.open_if_idle(edge)
-    return np.array(state.removed, np.bool_)
 
 
 def greedy(problem: MergeProblem) -> Bits:

@@ -4,19 +4,16 @@ from __future__ import annotations
 
 import itertools
 from dataclasses import dataclass
-from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
 
-from vdoor.config import Within
 from vdoor.grid import FREE, OccupancyGrid
 from vdoor.stages.cost import Bits, MergeProblem
 from vdoor.stages.final_doors import door_rows, matched_to_contacts
 from vdoor.stages.final_map import Features, map_of
 from vdoor.stages.flips import FlipState
 from vdoor.stages.labels import at_input, flooded, handed_on, numbered, whole
-from vdoor.stages.memetic import without_idle
 from vdoor.stages.rooms import InitialMap
 from vdoor.stages.search import Generation
 from vdoor.stages.simplify import SimplifiedGrid
@@ -29,9 +26,9 @@ Ints = NDArray[np.int32]
 class MergeRooms:
     """Open the removed doors and carry the rooms that remain to the input's resolution."""
 
-    least_passage_m: Annotated[float, Within(0, 20)] = 0.0
-    """Narrower openings that the simplified grid does not have are no doors, and the free space behind them is of one
-    room; 0 = all of them are, at most a working cell wide (paper)."""
+    passages: bool = True
+    """Rooms that touch where the simplified grid has no opening have a passage there, too narrow for the working
+    resolution (paper); false: no robot fits through, so it is no door, and what lies behind it belongs to one room."""
 
     def __call__(
         self,
@@ -41,18 +38,17 @@ class MergeRooms:
         best: Generation,
         problem: MergeProblem,
     ) -> TopologicalMap:
-        """Rooms and doors; kept doors that separate nothing are dropped."""
+        """Rooms and doors; kept doors that separate nothing are dropped, where the search did not do that itself."""
         room_of_piece, rows = merged(problem, best.removed)
         working = np.append(0, room_of_piece)[initial.piece]
         labels = whole(at_input(working, simplified.factor, grid.free))
-        if self.least_passage_m > 0:
+        if not self.passages:
             inner = at_input((simplified.cells == FREE).astype(np.int32), simplified.factor, grid.free) > 0
             labels = handed_on(flooded(labels, inner), grid.free)
-        else:
-            labels = flooded(labels, grid.free)
+        labels = flooded(labels, grid.free)
         labels, number = numbered(labels, int(room_of_piece.max()))
         doors = door_rows(initial, rows, number)
-        if self.least_passage_m == 0:
+        if self.passages:
             doors = matched_to_contacts(labels, doors, simplified, grid.frame)
 
         room = number[room_of_piece[: len(initial.area_m2)]]
@@ -70,7 +66,8 @@ def merged(problem: MergeProblem, removed: Bits) -> tuple[Ints, list[tuple[int, 
     A kept door that joins no two rooms when it is opened separates nothing and is dropped: of two doors with nothing
     between them the less likely goes where doors have scores, else the more tilted, then the longer one.
     """
-    state = FlipState(problem, np.flatnonzero(without_idle(problem, removed)).tolist())
+    state = FlipState(problem, np.flatnonzero(removed).tolist())
+    state.open_idle()
     # Asked again, since a dropped door may have been all that kept another from joining a third room.
     pairs = [
         (edge, one, other)
