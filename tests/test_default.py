@@ -251,7 +251,7 @@ def problem_of_home(seed: int) -> MergeProblem:
     return MergeProblem(found[InitialMap], DEFAULT.cost, found[DoorScores])
 
 
-@pytest.mark.parametrize("seed", [8, 15, 28, 29, 30, 31, 39])
+@pytest.mark.parametrize("seed", [8, 15, 18, 21, 30, 31, 40])
 def test_the_search_finds_the_optimum_and_the_bound_lies_below_it(seed: int) -> None:
     problem = problem_of_home(seed)
     assert 8 <= problem.edges <= MOST_DOORS  # so many that every choice can be tried

@@ -66,11 +66,11 @@ class DoorEnergy:
     """Room threshold T."""
     lack_weight: Annotated[float, Within(0, 1e6)] = 1.5
     """Log-odds that a room of no area would cost; one of half the threshold costs half as much."""
-    lack_weight_rough: Annotated[float, Within(0, 1e6)] = 6.0
+    lack_weight_rough: Annotated[float, Within(0, 1e6)] = 8.0
     """The same on ragged maps, where furniture makes rooms that are none."""
-    bias: Annotated[float, Within(-100, 100)] = 0.2
+    bias: Annotated[float, Within(-100, 100)] = 0.4
     """Added to the log-odds of each door: above 0 more doors are kept."""
-    bias_rough: Annotated[float, Within(-100, 100)] = 0.7
+    bias_rough: Annotated[float, Within(-100, 100)] = 0.3
     """The same on ragged maps."""
     further_bias: Annotated[float, Within(0, 100)] = 0.0
     """Added as well for each further door between the same two rooms: the first has told that they are two. Of the

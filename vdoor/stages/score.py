@@ -74,7 +74,7 @@ class ScoreDoors:
     """Of two doors whose middles are nearer than this only the likelier is searched."""
     apart_m: Annotated[float, Within(0, 5)] = 0.6
     """Two real doors have their middles at least this far apart."""
-    sure_log_odds: Annotated[float, Within(-100, 100)] = 1.0
+    sure_log_odds: Annotated[float, Within(-100, 100)] = 0.5
     """Doors likelier than this at the first look are shut for the second."""
     model: str = SHIPPED
     """The curves: those that ship with the package, or the path of a file that `vdoor train` wrote."""
