@@ -193,9 +193,11 @@ def test_the_surest_doors_exclude_each_other_and_none_likelier_is_left_out() -> 
     scores, doors = found[DoorScores], found[VirtualDoors]
     first = model_named("shipped").first.log_odds(scores.feature[:, : len(FIRST)], scores.share_rough)
     segments, sure = Segments(doors, scores.door), np.flatnonzero(scores.sure)
-    assert 0 < len(sure) == len(surest(segments, first, 1.0, 0.6))
-    assert (first[sure] > 1.0).all()
-    likely = np.flatnonzero(first > 1.0)
+    assert isinstance(DEFAULT.score, ScoreDoors)
+    least = DEFAULT.score.sure_log_odds
+    assert 0 < len(sure) == len(surest(segments, first, least, 0.6))
+    assert (first[sure] > least).all()
+    likely = np.flatnonzero(first > least)
     pairs = rivals(segments, likely, 0.6)
     assert not (scores.sure[pairs]).all(axis=1).any()
     for left_out in np.setdiff1d(likely, sure).tolist():

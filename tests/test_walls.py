@@ -122,7 +122,7 @@ def test_rooms_and_doors_behind_such_walls_are_found(cells: Cells, laid: str) ->
     assert len(doors) == len(wanted), doors
     apart = np.hypot(*(doors[:, None, :2] - wanted[None, :, :2]).transpose(2, 0, 1))
     assert sorted(apart.argmin(axis=1).tolist()) == [0, 1]
-    assert (apart.min(axis=1) <= 0.25).all()
+    assert (apart.min(axis=1) <= 0.25 + cell_m / 2).all()  # a door may lie at either face of a wall
     assert (np.abs(doors[:, 2] - wanted[apart.argmin(axis=1), 2]) < 0.2).all()
 
 
