@@ -171,6 +171,21 @@ def test_furniture_stays_where_it_bars_the_way() -> None:
     assert ndimage.label(simplified(cells).cells == FREE)[1] == 1
 
 
+@pytest.mark.parametrize("robot_m", [(), (1.0, 1.5)])
+def test_what_lies_behind_a_thin_unknown_line_is_reached_only_as_a_part_of_its_own(robot_m: tuple[float, ...]) -> None:
+    """A doorway of one unknown column: the room behind it is a part, kept unless the robot's place is given."""
+    cells = np.full((64, 126), OCCUPIED, np.int8)
+    cells[2:62, 2:62] = FREE
+    cells[2:62, 64:124] = FREE
+    cells[24:40, 62] = UNKNOWN
+    cells[24:40, 63] = FREE
+    settings = dataclasses.replace(DEFAULT.simplify, robot_m=robot_m)
+    free = settings(OccupancyGrid.from_array(cells, CELL_M)).cells == FREE
+    assert ndimage.label(free)[1] == 2 - len(robot_m) // 2
+    assert free[30, 30]
+    assert free[30, 90] == (not robot_m)
+
+
 def test_gaps_are_closed_at_any_angle() -> None:
     """A wall at 30 degrees with a gap of 0.15 m and a door of 0.9 m: the gap is closed, and is no door."""
     row, col = np.indices((200, 200)) - 100.0

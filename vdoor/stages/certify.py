@@ -54,7 +54,8 @@ class BoundEnergy:
     """
 
     most_nodes: Annotated[int, Within(0, 10_000_000)] = 1000
-    """The solver branches so often at most, whatever time that takes; then the bound of its relaxation is recorded."""
+    """The solver visits at most so many nodes, whatever time that takes; if it does not finish, the bound of the linear
+    relaxation is recorded."""
 
     def __call__(self, problem: MergeProblem, best: Generation) -> Certificate | None:
         """The certificate of the choice; none where it was not the energy that was searched."""
@@ -89,8 +90,8 @@ def gain_of_few(problem: MergeProblem, blocks: Iterable[Index]) -> float:
 def gain_of_many(problem: MergeProblem, doors: Index, most_nodes: int) -> float:
     """Greatest sum of what these doors gain over all sets without rivals, or a bound above it.
 
-    Where the solver does not finish, how far it came depends on the machine; the optimum of the relaxation, in which
-    doors may be kept in part, does not.
+    Where the solver does not finish, its bound depends on the order in which it branched, and so on last bits; the
+    optimum of the relaxation, in which doors may be kept in part, does not.
     """
     assert isinstance(problem.cost, DoorEnergy)
     gain = np.zeros(problem.edges)

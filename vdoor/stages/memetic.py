@@ -60,11 +60,14 @@ class MemeticSearch:
 def ordered(problem: MergeProblem, strings: Bits) -> tuple[Bits, Costs]:
     """The strings (p, r) with their costs, the best first and without its doors that part nothing.
 
-    Such doors gain nothing and are none of the final map, which so has all doors that the best string keeps.
+    Such doors gain nothing where the cost asks what they part, and are none of the final map, which so has all doors
+    that the best string keeps.
     """
     costs = problem.evaluate(strings)
     fittest = np.argsort(costs.cost, kind="stable")
     strings, costs = strings[fittest], Costs(*(term[fittest] for term in costs))
+    if not problem.asks_what_parts:
+        return strings, costs
     state = FlipState(problem, np.flatnonzero(strings[0]).tolist())
     state.open_idle()
     strings[0] = state.removed

@@ -45,7 +45,8 @@ class MergeRooms:
         if not self.passages:
             inner = at_input((simplified.cells == FREE).astype(np.int32), simplified.factor, grid.free) > 0
             labels = handed_on(flooded(labels, inner), grid.free)
-        labels = flooded(labels, grid.free)
+        else:
+            labels = flooded(labels, grid.free)
         labels, number = numbered(labels, int(room_of_piece.max()))
         doors = door_rows(initial, rows, number)
         if self.passages:

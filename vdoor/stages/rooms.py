@@ -50,7 +50,7 @@ class InitialMap(Record):
     width_m: Annotated[NDArray[np.float64], Spec("column", "edge", unit="m", tolerance=1e-9)]
     tilt_rad: Annotated[NDArray[np.float64], Spec("column", "edge", unit="rad", tolerance=1e-9)]
     idle_door: Annotated[NDArray[np.int32], Spec("column", "idle")]
-    """Proposed doors dropped because they border fewer than two regions."""
+    """Proposed doors that are no edges; see `idle_reason`."""
     idle_reason: Annotated[tuple[str, ...], Spec("text", "idle")] = ()
     """Which regions are meant, one of `IDLE` a door; none at all where only the simplified grid is asked (paper)."""
     border_edge: Annotated[NDArray[np.int32], Spec("column", "border")]
@@ -84,8 +84,7 @@ class DivideRooms:
     feature_samples: Annotated[int, Within(0, 1_000)] = 2
     """A corner belongs to the regions the walker stands in up to so many samples before and after it."""
     in_input: bool = False
-    """Leave out doors that only the simplified grid knows, since removed obstacles lie where they lead to; false: the
-    final map loses them (paper)."""
+    """Leave out doors that lead only to where obstacles were removed; false: the final map loses them (paper)."""
 
     def __call__(
         self,
@@ -102,9 +101,12 @@ class DivideRooms:
             proposed = scores.door[scores.judgement == LIKELY]
         idle = self._idle(cut(free, doors, proposed), len(proposed))
         edges, left_out = proposed[~idle], proposed[~idle][:0]
-        if self.in_input and scores is not None:
-            log_odds = scores.log_odds[np.searchsorted(scores.door, edges)]
-            edges = edges[shown(free, simplified.reason == 0, doors, edges, log_odds)]
+        if self.in_input:
+            # Without scores the longer doors go first.
+            worth = -doors.length_m if scores is None else np.zeros(len(doors.verdict))
+            if scores is not None:
+                worth[scores.door] = scores.log_odds
+            edges = edges[shown(free, simplified.reason == 0, doors, edges, worth[edges])]
             left_out = np.setdiff1d(proposed[~idle], edges)
         pieces = cut(free, doors, edges)
         border = borders(pieces, len(edges))
@@ -159,11 +161,11 @@ class DivideRooms:
         return np.unique(np.concatenate(found).astype(np.int32), axis=0)
 
 
-def shown(free: Mask, as_read: Mask, doors: VirtualDoors, edges: Ints, log_odds: Floats) -> Mask:
+def shown(free: Mask, as_read: Mask, doors: VirtualDoors, edges: Ints, worth: Floats) -> Mask:
     """Which edges (k,) lead from one region to another in the input as well: where free cells are `as_read`.
 
     Of each region the largest part that the input shows counts: it is what the final map calls the room. Edges go one
-    by one, the least likely first, since with each of them two regions become one.
+    by one, those of least `worth` (k,) first, since with each of them two regions become one.
     """
     kept = np.ones(len(edges), np.bool_)
     seen = free & as_read
@@ -179,8 +181,8 @@ def shown(free: Mask, as_read: Mask, doors: VirtualDoors, edges: Ints, log_odds:
         beside = borders(both, len(rows))
         beside = beside[poor[beside[:, 0]]]
         least = np.full(both.regions, np.inf)
-        np.minimum.at(least, beside[:, 1], log_odds[rows[beside[:, 0]]])
-        gone = beside[log_odds[rows[beside[:, 0]]] <= least[beside[:, 1]], 0]
+        np.minimum.at(least, beside[:, 1], worth[rows[beside[:, 0]]])
+        gone = beside[worth[rows[beside[:, 0]]] <= least[beside[:, 1]], 0]
         kept[rows[gone if len(gone) else np.flatnonzero(poor)]] = False
     return kept
 

@@ -69,7 +69,8 @@ class SimplifyGrid:
     """So is space up to this wide that goes on for more than 0.4 m, where no robot fits through; 0 keeps it (paper)."""
     gap_m: Annotated[float, Within(0, 1)] = 0.0
     """Gaps up to this wide are closed, since no robot fits through. Islands and thin unknown lines go only where this
-    opens no way between spaces that are apart with such gaps closed; 0 = none is closed, and all go (paper)."""
+    opens no way between spaces that are apart with such gaps closed. Less than a cell: no gap is closed, and all of
+    them go (paper)."""
     around_m: Annotated[float, Within(0, 10)] = 1.0
     """Spaces on two sides of an obstacle are apart where no way leads around it within this distance of it."""
     least_part_m2: Annotated[float, Within(0, 1e6)] = 0.0
@@ -97,8 +98,8 @@ class SimplifyGrid:
         free = self._reachable(known_free | thin, frame)
         reason[(known_free | thin) & ~free] = REASONS.index("unreachable")
         free = self._without_furniture(free, thin & free, reason, frame)
-        if self.gap_m > 0:
-            free = self._closed(free, Spaces.of(free, cells_in(self.gap_m, frame)).gap, reason, frame)
+        if gap := cells_in(self.gap_m, frame):
+            free = self._closed(free, Spaces.of(free, gap).gap, reason, frame)
         free = self._without_slits(free, reason, frame)
         run = max(1, round(self.jut_m / frame.resolution_m))
         for name, changed in zip(("jut", "notch"), flatten(free, run, self.passes), strict=True):
@@ -131,7 +132,10 @@ class SimplifyGrid:
                 around=cells_in(self.around_m, frame),
                 least=SPACE_M2 / frame.resolution_m**2,
             )
-            free, islands, thin = known | goes, islands & goes, thin & goes
+            # What lay behind a thin line that stays is out of reach now.
+            free = self._reachable(known | goes, frame)
+            reason[known & ~free] = REASONS.index("unreachable")
+            islands, thin = islands & free, thin & free
         reason[thin] = REASONS.index("thin unknown")
         reason[islands] = REASONS.index("island")
         return free | islands

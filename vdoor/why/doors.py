@@ -69,7 +69,7 @@ class DoorFate:
     regions: tuple[int, ...] = ()
     idle: bool = False
     """Proposed, but it borders fewer than two regions, or fewer than two that the input shows."""
-    idle_reason: str = ""
+    idle_reason: str = IDLE[0]
     """Which of the two, where the recording says it."""
     search: SearchFate | None = None
     separates_nothing: bool = False

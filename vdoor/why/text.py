@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 
 from vdoor.grid import FREE_TO, OCCUPIED_FROM
+from vdoor.stages.rooms import IDLE
 from vdoor.why import Answer, Place
 from vdoor.why.bends import CornerFate, Sample
 from vdoor.why.doors import DoorFate, Passage
@@ -149,15 +150,15 @@ _VERDICTS: dict[str, Callable[[DoorFate], str]] = {
     "no gap": lambda _: "rejected, no gap: its end cells touch",
     "duplicate": lambda door: f"rejected, duplicate: door {door.twin} has the same ends",
     "too narrow": lambda door: (
-        f"rejected, too narrow: its gap of {door.width_m:.2f} m is less than {door.least_width_m:g}, "
-        "which a robot needs"
+        f"rejected, too narrow: its gap of {door.width_m:.2f} m is less than the "
+        f"{door.least_width_m:g} m that a robot needs"
     ),
 }
 
 
 _IDLE = {
-    "parts nothing": "it borders fewer than two regions",
-    "not in the input": "removed obstacles lie where it leads to, so the input shows fewer than two regions beside it",
+    IDLE[0]: "it borders fewer than two regions",
+    IDLE[1]: "it leads to where obstacles were removed, so the input shows fewer than two regions beside it",
 }
 
 
