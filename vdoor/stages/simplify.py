@@ -16,7 +16,7 @@ from vdoor.errors import MapError, SettingError
 from vdoor.grid import FREE, OCCUPIED, UNKNOWN, OccupancyGrid
 from vdoor.record import Frame, Record, Spec
 from vdoor.stages.runs import runs_of
-from vdoor.stages.spaces import SHORTEST_DASH, Spaces, furniture, in_line, opened, square
+from vdoor.stages.spaces import SHORTEST_DASH, Spaces, furniture, in_line, opened, square, with_neighbours
 
 Mask = NDArray[np.bool_]
 
@@ -268,10 +268,7 @@ def long_pieces(mask: Mask, least: float, connectivity: int = 1) -> Mask:
 
 def touches(free: Mask) -> Mask:
     """Cells that are not free and have a free cell among their eight neighbours."""
-    near = np.pad(free, 1)
-    near[:, 1:-1] |= near[:, 2:] | near[:, :-2]
-    near[1:-1] |= near[2:] | near[:-2]
-    return near[1:-1, 1:-1] & ~free
+    return with_neighbours(free) & ~free
 
 
 def flatten(free: Mask, run: int, passes: int) -> tuple[Mask, Mask]:

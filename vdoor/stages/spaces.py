@@ -81,8 +81,10 @@ def furniture(free: Mask, loose: Mask, *, gap: int, around: int, least: float) -
         box, near = boxes[number - 1], grown(boxes[number - 1], max(around, gap + BESIDE), free.shape)
         obstacle = piece[near] == number
         own = int(group[near][obstacle][0])
+        if own in walls:
+            continue
         close = narrow[near] * inside(grown(box, gap + BESIDE, free.shape), near)
-        at = spread(obstacle | np.isin(close, np.setdiff1d(close[spread(obstacle)], 0)))
+        at = with_neighbours(obstacle | np.isin(close, np.setdiff1d(close[with_neighbours(obstacle)], 0)))
         label = spaces.label[near]
         found = beside.setdefault(own, set())
         found.update(space for space in np.setdiff1d(label[at], 0).tolist() if large[space])
@@ -183,7 +185,7 @@ def between_sides(narrow: Mask, label: Ints) -> Mask:
     """
     piece = label_cells(narrow, connectivity=2)
     space = np.where(narrow, 0, label)
-    side = label_cells((space > 0) & spread(narrow), connectivity=1)
+    side = label_cells((space > 0) & with_neighbours(narrow), connectivity=1)
     count = int(piece.max(initial=0)) + 1
     of_spaces, of_sides = (np.bincount(pairs_beside(piece, other)[:, 0], minlength=count) for other in (space, side))
     gap = of_spaces > 1
@@ -191,11 +193,11 @@ def between_sides(narrow: Mask, label: Ints) -> Mask:
     for number in np.flatnonzero((of_sides > 1) & ~gap).tolist():
         near = grown(boxes[number - 1], AROUND_GAP, narrow.shape)
         part, _ = ndimage.label(space[near])
-        gap[number] = len(np.setdiff1d(part[spread(piece[near] == number)], 0)) > 1
+        gap[number] = len(np.setdiff1d(part[with_neighbours(piece[near] == number)], 0)) > 1
     return np.asarray(gap[piece])
 
 
-def spread(mask: Mask) -> Mask:
+def with_neighbours(mask: Mask) -> Mask:
     """The cells of a mask (h, w) and their eight neighbours."""
     tall = mask.copy()
     tall[1:] |= mask[:-1]
