@@ -8,8 +8,9 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from vdoor.frame import Frame
 from vdoor.pipeline import RECORDS
-from vdoor.record import Frame, Record, Spec, specs
+from vdoor.record import Record, Spec, specs
 
 __all__ = ["RECORDS", "random_record"]
 

@@ -8,11 +8,11 @@ from typing import Any
 import finished
 import numpy as np
 
+from vdoor.editing.apply import VERDICTS, EditRooms
+from vdoor.editing.places import place_text
 from vdoor.grid import OccupancyGrid
 from vdoor.pipeline import PRESETS
-from vdoor.places import place_text
 from vdoor.record import Record
-from vdoor.stages.edit import VERDICTS, EditRooms
 from vdoor.topology import TopologicalMap
 
 FLAT = finished.HOME / "recordings" / "flat.yaml"

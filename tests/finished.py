@@ -10,8 +10,8 @@ from maps import CELL_M, Cells
 
 import vdoor
 from vdoor.emit import RunInfo
-from vdoor.formats.result import document_of, write_result
 from vdoor.grid import FREE, OCCUPIED, UNKNOWN, OccupancyGrid
+from vdoor.results.writing import document_of, write_result
 from vdoor.topology import TopologicalMap
 
 HOME = Path(__file__).parent.parent

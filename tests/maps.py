@@ -14,13 +14,13 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from vdoor.grid import FREE, OCCUPIED, UNKNOWN, OccupancyGrid
+from vdoor.method.boundary import BoundaryPath
+from vdoor.method.corners import Candidates, Corners
+from vdoor.method.curvature import Curvature
+from vdoor.method.doors import VirtualDoors
+from vdoor.method.initial_map import InitialMap
+from vdoor.method.simplify import SimplifiedGrid, SimplifyGrid
 from vdoor.pipeline import Pipeline
-from vdoor.stages.corners import Candidates, Corners
-from vdoor.stages.curvature import Curvature
-from vdoor.stages.doors import VirtualDoors
-from vdoor.stages.rooms import InitialMap
-from vdoor.stages.simplify import SimplifiedGrid, SimplifyGrid
-from vdoor.stages.trace import BoundaryPath
 
 Cells = NDArray[np.int8]
 CELL_M = 0.2

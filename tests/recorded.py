@@ -17,10 +17,10 @@ import vdoor.cli
 from vdoor.config import settings_of
 from vdoor.emit import RunInfo
 from vdoor.goldens import drawing
+from vdoor.method.search.optimisers import GeneticSearch
 from vdoor.pipeline import METHODS, RECORDS, Pipeline
 from vdoor.record import Record
 from vdoor.recording.mcap import McapSink, read_recording
-from vdoor.stages.search import GeneticSearch
 
 MAP = """
     ################

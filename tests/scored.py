@@ -10,13 +10,13 @@ from maps import drawn
 from terminals import recorded
 from test_why import TWO_ROOMS
 
+from vdoor.method.scoring.features import FEATURES, FIRST
+from vdoor.method.scoring.score import ScoreDoors
+from vdoor.method.search.certificate import BoundEnergy
+from vdoor.method.search.costs import DoorEnergy
+from vdoor.method.search.memetic import MemeticSearch
+from vdoor.method.wide_doors import ProposeWideDoors
 from vdoor.pipeline import Pipeline
-from vdoor.stages.certify import BoundEnergy
-from vdoor.stages.cost import DoorEnergy
-from vdoor.stages.features import FEATURES, FIRST
-from vdoor.stages.memetic import MemeticSearch
-from vdoor.stages.score import ScoreDoors
-from vdoor.stages.wide import ProposeWideDoors
 
 BIAS = -1.25
 CURVES = {

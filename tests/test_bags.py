@@ -31,9 +31,10 @@ from test_formats_refused import corrupted, refused
 
 from vdoor.errors import MapError, MapWarning
 from vdoor.formats import read_map, read_source
+from vdoor.frame import Frame
 from vdoor.grid import OccupancyGrid, Source
 from vdoor.pipeline import RECORDS
-from vdoor.record import Frame, equal
+from vdoor.record import equal
 from vdoor.recording.mcap import read_recording
 
 OLD = np.full((2, 3), 100, np.int8)

@@ -15,21 +15,21 @@ from maps import CELL_M, MOVES, Cells, cells_drawn, drawn, law, moved, small_map
 from scipy import ndimage
 
 from vdoor.baselines import ErodedSpace, ErodedSpacePipeline, GrownRooms, Narrows, Skeleton, VoronoiDoorsPipeline
-from vdoor.baselines.narrows import FATES, FindNarrows
+from vdoor.baselines.critical_lines import FATES, FindNarrows
 from vdoor.baselines.voronoi_doors import CrossNarrows
 from vdoor.config import settings_of, with_settings
 from vdoor.emit import RunInfo, silent
 from vdoor.errors import SettingError
-from vdoor.evaluate.matching import nearest_pairs
+from vdoor.evaluate.door_matching import nearest_pairs
 from vdoor.grid import FREE, OccupancyGrid
+from vdoor.method.doors import VERDICTS
+from vdoor.method.search.generation import Generation
+from vdoor.method.simplify import SimplifyGrid
 from vdoor.pipeline import METHODS, PRESETS
 from vdoor.record import Record, equal
 from vdoor.recording import codec
+from vdoor.recording.diff import verify
 from vdoor.recording.mcap import McapSink, read_recording
-from vdoor.recording.verify import verify
-from vdoor.stages.doors import VERDICTS
-from vdoor.stages.search import Generation
-from vdoor.stages.simplify import SimplifyGrid
 from vdoor.synth import PRESETS as KINDS
 from vdoor.synth import synthesize
 from vdoor.topology import TopologicalMap

@@ -14,14 +14,14 @@ from maps import Cells, law
 from test_default import all_choices, problem_of, records_of
 
 from vdoor.grid import FREE
-from vdoor.stages import certify
-from vdoor.stages.blocks import blocks
-from vdoor.stages.certify import BoundEnergy
-from vdoor.stages.cost import DoorEnergy, MergeProblem
-from vdoor.stages.flips import FlipState
-from vdoor.stages.memetic import MemeticSearch
-from vdoor.stages.rooms import InitialMap
-from vdoor.stages.score import DoorScores
+from vdoor.method.initial_map import InitialMap
+from vdoor.method.scoring.score import DoorScores
+from vdoor.method.search import certificate as certify
+from vdoor.method.search.certificate import BoundEnergy, blocks
+from vdoor.method.search.costs import DoorEnergy
+from vdoor.method.search.incremental import FlipState
+from vdoor.method.search.memetic import MemeticSearch
+from vdoor.method.search.problem import MergeProblem
 from vdoor.synth import PRESETS, synthesize
 
 seeds = st.integers(0, 2**32 - 1)

@@ -13,12 +13,12 @@ import pytest
 from drawn import random_record
 from recorded import PIPELINE, Command, small, small_run, write
 
+from vdoor.method.search.generation import Generation
 from vdoor.pipeline import RECORDS, emitted
 from vdoor.record import equal
 from vdoor.recording import about
 from vdoor.recording.check import check
 from vdoor.recording.mcap import McapSink, read_recording
-from vdoor.stages.search import Generation
 
 STAGES = [record.topic for record in PIPELINE.records]
 

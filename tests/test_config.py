@@ -15,11 +15,11 @@ from maps import law
 
 from vdoor.config import parse_assignments, read_toml, settings_of, to_toml, with_settings
 from vdoor.errors import SettingError
+from vdoor.method.scoring.score import NoScores, ScoreDoors
+from vdoor.method.search.certificate import NoProof
+from vdoor.method.search.optimisers import AnnealingSearch, ExhaustiveSearch, GeneticSearch
+from vdoor.method.simplify import SimplifyGrid
 from vdoor.pipeline import METHODS, PRESETS, Pipeline
-from vdoor.stages.certify import NoProof
-from vdoor.stages.score import NoScores, ScoreDoors
-from vdoor.stages.search import AnnealingSearch, ExhaustiveSearch, GeneticSearch
-from vdoor.stages.simplify import SimplifyGrid
 
 CHOICES = METHODS
 

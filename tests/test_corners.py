@@ -11,9 +11,9 @@ from maps import CELL_M, Cells, drawn, law, small_maps, stages
 from numpy.typing import NDArray
 
 from vdoor.grid import OccupancyGrid
+from vdoor.method.corners import Candidates, Corners, FindCandidates, gaps_m
+from vdoor.method.simplify import SimplifyGrid
 from vdoor.pipeline import Pipeline
-from vdoor.stages.corners import Candidates, Corners, FindCandidates, gaps_m
-from vdoor.stages.simplify import SimplifyGrid
 
 FINE = Pipeline(simplify=SimplifyGrid(cell_m=0.05))
 

@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 from maps import CELL_M, Cells, drawn, law, simplifying, small_maps
 
 from vdoor.grid import OccupancyGrid
-from vdoor.stages.curvature import Curvature, EstimateCurvature
-from vdoor.stages.trace import BoundaryPath, TraceBoundary
+from vdoor.method.boundary import BoundaryPath, TraceBoundary
+from vdoor.method.curvature import Curvature, EstimateCurvature
 
 SQUARE = "######\n#....#\n#....#\n#....#\n#....#\n######"
 WALL_TIP = "\n".join(["#########", *["#.......#"] * 4, *["#...#...#"] * 6, "#########"])

@@ -15,29 +15,32 @@ from hypothesis import strategies as st
 from maps import Cells, drawn, law, small_maps
 from scipy import ndimage
 
+from vdoor.api import run
 from vdoor.errors import SettingError
 from vdoor.grid import FREE, OccupancyGrid
-from vdoor.pipeline import PRESETS, Pipeline, run
+from vdoor.method.boundary import BoundaryPath
+from vdoor.method.corners import Corners
+from vdoor.method.doors import PROPOSED, VirtualDoors
+from vdoor.method.initial_map import InitialMap
+from vdoor.method.scoring.closed_features import SHUT
+from vdoor.method.scoring.conflicts import rivals, surest
+from vdoor.method.scoring.features import FEATURES, FIRST
+from vdoor.method.scoring.model import Curve, model_named, table_of
+from vdoor.method.scoring.score import JUDGEMENTS, LIKELY, DoorScores, ScoreDoors
+from vdoor.method.scoring.segments import Segments
+from vdoor.method.search.certificate import BoundEnergy, Certificate
+from vdoor.method.search.costs import DoorEnergy
+from vdoor.method.search.generation import Generation
+from vdoor.method.search.incremental import FlipState
+from vdoor.method.search.memetic import MemeticSearch, greedy
+from vdoor.method.search.problem import MergeProblem
+from vdoor.method.simplify import REASONS, SimplifyGrid, narrower
+from vdoor.method.wall_direction import wall_direction_rad
+from vdoor.pipeline import PRESETS, Pipeline
 from vdoor.record import Record
-from vdoor.stages.certify import BoundEnergy, Certificate
-from vdoor.stages.corners import Corners
-from vdoor.stages.cost import DoorEnergy, MergeProblem
-from vdoor.stages.direction import wall_direction_rad
-from vdoor.stages.door_model import Curve, model_named, table_of
-from vdoor.stages.doors import KINDS, PROPOSED, VirtualDoors
-from vdoor.stages.features import FEATURES, FIRST
-from vdoor.stages.flips import FlipState
-from vdoor.stages.memetic import MemeticSearch, greedy
-from vdoor.stages.rivals import rivals, surest
-from vdoor.stages.rooms import InitialMap
-from vdoor.stages.score import JUDGEMENTS, LIKELY, DoorScores, ScoreDoors
-from vdoor.stages.search import Generation
-from vdoor.stages.segments import Segments
-from vdoor.stages.shut import SHUT
-from vdoor.stages.simplify import REASONS, SimplifyGrid, narrower
-from vdoor.stages.trace import BoundaryPath
 from vdoor.synth import PRESETS as KINDS_OF_MAPS
 from vdoor.synth import Apartment, synthesize
+from vdoor.topology import KINDS
 
 CELL_M = 0.05
 DEFAULT = PRESETS["default"]
@@ -285,7 +288,7 @@ def test_the_search_never_gets_worse_and_keeps_no_rivals() -> None:
     assert costs == sorted(costs, reverse=True)
     assert costs[0] <= problem.evaluate(greedy(problem)[None]).cost[0]
     kept = ~generations[-1].removed
-    assert not (kept[problem.rivals[0]] & kept[problem.rivals[1]]).any()
+    assert not (kept[problem.conflicts[0]] & kept[problem.conflicts[1]]).any()
 
 
 def test_where_nothing_was_scored_doors_that_part_rooms_gain_the_bias_alone() -> None:

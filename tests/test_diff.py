@@ -14,10 +14,11 @@ from drawn import RECORDS, random_record
 from numpy.typing import NDArray
 from recorded import Command, altered, small, small_run, write
 
-from vdoor.record import Frame, Record, Spec, equal, specs
+from vdoor.frame import Frame
+from vdoor.method.search.generation import Generation
+from vdoor.record import Record, Spec, equal, specs
 from vdoor.recording.compare import Difference, differences, distance, unequal
 from vdoor.recording.diff import Pair, compare, settings_that_differ
-from vdoor.stages.search import Generation
 
 
 @pytest.fixture

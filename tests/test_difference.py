@@ -11,11 +11,11 @@ from rerun.chunk import RrdReader
 
 import vdoor
 from vdoor.emit import RunInfo
+from vdoor.method.corners import Corners
+from vdoor.method.simplify import SimplifiedGrid
 from vdoor.pipeline import RECORDS
 from vdoor.record import Record
 from vdoor.recording.diff import compare
-from vdoor.stages.corners import Corners
-from vdoor.stages.simplify import SimplifiedGrid
 from vdoor.viz.rerun.difference import DifferenceSink
 
 FLAT = Path(__file__).parent.parent / "recordings" / "flat.yaml"

@@ -15,10 +15,11 @@ from maps import CELL_M, Cells, drawn, law, long_law, small_maps, stages
 from numpy.typing import NDArray
 
 from vdoor.grid import FREE, OccupancyGrid
+from vdoor.method.corners import gaps_m
+from vdoor.method.doors import PROPOSED, VERDICTS, ProposeDoors, VirtualDoors
 from vdoor.pipeline import Pipeline
-from vdoor.stages.corners import gaps_m
-from vdoor.stages.doors import KINDS, PROPOSED, VERDICTS, ProposeDoors, VirtualDoors
-from vdoor.stages.lines import lines_between
+from vdoor.raster.lines import lines_between
+from vdoor.topology import KINDS
 
 LONG_DOORS = Pipeline(doors=ProposeDoors(max_length_m=2.4))
 Ends = frozenset[tuple[int, int]]

@@ -21,10 +21,10 @@ import yaml
 from edited import FLAT, at, flat
 
 from vdoor import export
-from vdoor.edits import append_edits, parse, read_edits
+from vdoor.editing.edits import append_edits, parse, read_edits
 from vdoor.export import read_finished
 from vdoor.export.node_link import schema
-from vdoor.formats.result import document_of, write_result
+from vdoor.results.writing import document_of, write_result
 
 
 @pytest.fixture

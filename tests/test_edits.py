@@ -14,14 +14,14 @@ from hypothesis import strategies as st
 from skimage.measure import label
 
 import vdoor
-from vdoor.edits import FORMS, Edit, append_edits, parse, read_edits
+from vdoor.editing.apply import EditRooms
+from vdoor.editing.edits import FORMS, Edit, append_edits, parse, read_edits
+from vdoor.editing.places import place_text
+from vdoor.editing.split_room import line_cells, within
 from vdoor.errors import SettingError
 from vdoor.grid import OCCUPIED, OccupancyGrid
-from vdoor.places import place_text
+from vdoor.method.final_doors import contacts, to_segment_m
 from vdoor.record import equal
-from vdoor.stages.cut import line_cells, within
-from vdoor.stages.edit import EditRooms
-from vdoor.stages.final_doors import contacts, to_segment_m
 from vdoor.topology import TopologicalMap
 
 WORDS = st.text(st.characters(categories=("L", "N", "P", "S")), min_size=1, max_size=12)
@@ -350,7 +350,7 @@ def test_edits_done_twice_are_done_once(case: tuple[TopologicalMap, list[str]]) 
     edit = parse(lines[0])
     if edit.kind == "remove-door" or (edit.kind in ("split", "add-door") and crossed(before, edit) > 1):
         return  # there may be another door near, or another room that the line lies in
-    once = before.edited(lines)
+    once = vdoor.edited(before, lines)
     twice, (first, second), _ = outcome(before, *lines, *lines)
     assert equal(once, twice)
     assert second != "done"

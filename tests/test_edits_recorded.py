@@ -14,12 +14,12 @@ import recorded
 from edited import at, flat, run_with
 
 import vdoor
+from vdoor.editing.apply import VERDICTS, EditRooms, Edits
 from vdoor.errors import RecordingError
 from vdoor.grid import FREE, OCCUPIED, OccupancyGrid
 from vdoor.pipeline import PRESETS, RECORDS
 from vdoor.record import equal
 from vdoor.recording.compare import differences
-from vdoor.stages.edit import VERDICTS, EditRooms, Edits
 from vdoor.topology import TopologicalMap
 
 

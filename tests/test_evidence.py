@@ -11,8 +11,14 @@ import pytest
 from maps import stages, text_of
 from scipy.stats import binomtest
 
+from vdoor.api import run
 from vdoor.baselines.voronoi_doors import everything_kept
-from vdoor.evidence import (
+from vdoor.goldens import CROSSING, drawing
+from vdoor.method.final_map import MergeRooms
+from vdoor.method.search.costs import MapCost
+from vdoor.method.search.optimisers import GeneticSearch
+from vdoor.method.search.problem import MergeProblem
+from vdoor.paper import (
     ENVIRONMENTS,
     METHODS,
     PRINTED,
@@ -28,10 +34,10 @@ from vdoor.evidence import (
     walk_through,
     walked,
 )
-from vdoor.evidence.claims import claims
-from vdoor.evidence.doors_counted import Share, counted, counted_all, lines_m, methods_for
-from vdoor.evidence.everything import Size, gathered
-from vdoor.evidence.search_claims import (
+from vdoor.paper.claims import claims
+from vdoor.paper.doors_counted import Share, counted, counted_all, lines_m, methods_for
+from vdoor.paper.everything import Size, gathered
+from vdoor.paper.search_claims import (
     POPULATION,
     PRINTED_EDGES,
     PRINTED_GENERATION,
@@ -39,14 +45,9 @@ from vdoor.evidence.search_claims import (
     log2_load,
     search_claims,
 )
-from vdoor.evidence.sub_cases import shown
-from vdoor.evidence.table_one import Environment
-from vdoor.evidence.walk_through import figure_walk
-from vdoor.goldens import CROSSING, drawing
-from vdoor.pipeline import run
-from vdoor.stages.cost import MapCost, MergeProblem
-from vdoor.stages.merge import MergeRooms
-from vdoor.stages.search import GeneticSearch
+from vdoor.paper.sub_cases import shown
+from vdoor.paper.table_one import Environment
+from vdoor.paper.walk_through import figure_walk
 from vdoor.synth import PRESETS as KINDS
 from vdoor.synth import synthesize
 

@@ -30,10 +30,10 @@ from vdoor import export
 from vdoor.errors import SettingError, VdoorError
 from vdoor.export import WRITERS, Export, Finished, Raster, Writer, node_link, writer_named
 from vdoor.export.geometry import line_m
-from vdoor.export.reading import _radians
 from vdoor.grid import FREE, OCCUPIED, OccupancyGrid
+from vdoor.method.search.optimisers import AnnealingSearch
 from vdoor.pipeline import PRESETS
-from vdoor.stages.search import AnnealingSearch
+from vdoor.results.reading import _radians
 from vdoor.topology import TopologicalMap
 
 example = pytest.mark.parametrize("name", finished.NAMES)

@@ -22,7 +22,7 @@ from test_ways import bent, labelled, with_doors
 
 import vdoor
 from vdoor.export import to_nav2_route, to_rmf
-from vdoor.export.ways import doorways
+from vdoor.export.routes import doorways
 from vdoor.grid import OccupancyGrid
 from vdoor.synth import Home, synthesize
 from vdoor.topology import TopologicalMap

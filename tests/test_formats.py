@@ -13,7 +13,8 @@ from PIL import Image
 
 from vdoor.errors import MapError, MapWarning
 from vdoor.formats import READERS, read_map, read_source
-from vdoor.record import Frame, equal
+from vdoor.frame import Frame
+from vdoor.record import equal
 
 HEADER = {
     "image": "map.pgm",

@@ -12,14 +12,16 @@ from hypothesis import strategies as st
 from maps import CELL_M, MOVES, Cells, Move, Stages, law, moved, small_maps, stages
 from numpy.typing import NDArray
 
+from vdoor.api import run
 from vdoor.emit import Recorder
 from vdoor.grid import OccupancyGrid
-from vdoor.pipeline import PRESETS, Pipeline, run
+from vdoor.method.doors import PROPOSED
+from vdoor.method.search.generation import Generation
+from vdoor.method.search.optimisers import ExhaustiveSearch
+from vdoor.method.search.problem import MergeProblem
+from vdoor.method.simplify import SimplifyGrid
+from vdoor.pipeline import PRESETS, Pipeline
 from vdoor.record import Record, equal
-from vdoor.stages.cost import MergeProblem
-from vdoor.stages.doors import PROPOSED
-from vdoor.stages.search import ExhaustiveSearch, Generation
-from vdoor.stages.simplify import SimplifyGrid
 
 MOST_DOORS = 10
 FINE = Pipeline(simplify=SimplifyGrid(cell_m=0.05))

@@ -16,13 +16,14 @@ from numpy.typing import NDArray
 from scipy import ndimage
 from scipy.optimize import linear_sum_assignment
 
+from vdoor.api import run
 from vdoor.errors import MapError
 from vdoor.grid import FREE, OccupancyGrid
-from vdoor.pipeline import PRESETS, Pipeline, run
-from vdoor.stages.final_doors import contacts
-from vdoor.stages.labels import flooded
-from vdoor.stages.search import AnnealingSearch
-from vdoor.stages.simplify import SimplifyGrid
+from vdoor.method.final_doors import contacts
+from vdoor.method.search.optimisers import AnnealingSearch
+from vdoor.method.simplify import SimplifyGrid
+from vdoor.pipeline import PRESETS, Pipeline
+from vdoor.raster.labels import flooded
 from vdoor.synth import PRESETS as KINDS
 from vdoor.synth import SyntheticMap, synthesize
 from vdoor.topology import TopologicalMap

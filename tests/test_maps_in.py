@@ -18,12 +18,13 @@ from test_cli import VDOOR, call, one_line
 from vacuum import centre_cm, home, write_home
 
 import vdoor
+from vdoor.api import run
 from vdoor.formats import read_annotations
-from vdoor.formats.result import greys
-from vdoor.pipeline import PRESETS, RECORDS, run
+from vdoor.method.simplify import SimplifyGrid
+from vdoor.pipeline import PRESETS, RECORDS
 from vdoor.record import equal
 from vdoor.recording.mcap import read_recording
-from vdoor.stages.simplify import SimplifyGrid
+from vdoor.results.writing import greys
 
 MARGIN = 2
 TWO_FLATS = """

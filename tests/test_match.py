@@ -22,12 +22,12 @@ from hypothesis import strategies as st
 from PIL import Image
 
 import vdoor
-from vdoor.edits import append_edits, parse
+from vdoor.editing.edits import append_edits, parse
+from vdoor.editing.places import place_text
 from vdoor.export import read_finished
 from vdoor.grid import FREE, OCCUPIED, UNKNOWN, OccupancyGrid
 from vdoor.matching import Older, aligned, carried_over
 from vdoor.matching.align import known_shift_m
-from vdoor.places import place_text
 from vdoor.topology import TopologicalMap
 
 FLAT = finished.HOME / "recordings" / "flat.yaml"
@@ -47,7 +47,7 @@ def old() -> TopologicalMap:
     flat = finished.topology("flat")
     places = {room: place_text(flat.room(room).centre_m) for room in flat.room_ids}
     lines = [f"name {places[room]} {NAMES[room]}" for room in places]
-    return flat.edited([*lines, *(f"number {places[room]} {IDS[room]}" for room in places)])
+    return vdoor.edited(flat, [*lines, *(f"number {places[room]} {IDS[room]}" for room in places)])
 
 
 def flat_cells() -> maps.Cells:
@@ -58,7 +58,7 @@ def as_before(new: TopologicalMap, shift_m: tuple[float, float], *, off_m: float
     """The new map with ids and names of the old one; where each old room was is the room of its id and name."""
     match = vdoor.match(old(), new)
     assert match.alignment.shift_m == pytest.approx(shift_m, abs=off_m)
-    after = new.edited(match.edits)
+    after = vdoor.edited(new, match.edits)
     assert (match.new, match.gone) == ((), ())
     assert [(kept.id, kept.name) for kept in match.kept] == [(room.id, room.name) for room in old().rooms]
     assert {room.id: room.name for room in after.rooms} == {room.id: room.name for room in old().rooms}
@@ -94,7 +94,7 @@ def test_ids_hold_at_another_resolution(finer: int) -> None:
 @pytest.mark.parametrize("yaw_rad", [0.0, 0.7])
 def test_ids_hold_in_a_frame_that_lies_askew(yaw_rad: float) -> None:
     turned = OccupancyGrid.from_array(flat_cells(), maps.CELL_M, x_m=-7.0, y_m=3.0, yaw_rad=yaw_rad)
-    one = finished_map(turned).edited([])
+    one = vdoor.edited(finished_map(turned), [])
     match = vdoor.match(one, finished_map(turned))
     assert match.alignment.shift_m == (0.0, 0.0)
     assert [(kept.id, kept.same) for kept in match.kept] == [(room, 1.0) for room in one.room_ids]
@@ -110,7 +110,7 @@ def test_ids_hold_under_noise(seed: int) -> None:
     new = finished_map(OccupancyGrid.from_array(cells, maps.CELL_M))
     match = vdoor.match(old(), new)
     assert match.alignment.shift_m == pytest.approx((9 * maps.CELL_M, 5 * maps.CELL_M), abs=maps.CELL_M)
-    after = new.edited(match.edits)
+    after = vdoor.edited(new, match.edits)
     found = {}
     for room in old().rooms:
         there = after.room_at((room.centre_m[0] + 9 * maps.CELL_M, room.centre_m[1] + 5 * maps.CELL_M))
@@ -128,7 +128,7 @@ def test_ids_hold_when_more_of_the_place_is_seen() -> None:
     assert match.alignment.shift_m == pytest.approx((1.2, 1.2))
     assert [kept.id for kept in match.kept] == list(one.room_ids) == [1, 2, 3]
     assert (match.new, match.gone) == ((4, 5), ())
-    after = new.edited(match.edits)
+    after = vdoor.edited(new, match.edits)
     for room in one.rooms:
         assert after.room_at((room.centre_m[0] + 1.2, room.centre_m[1] + 1.2)) == after.room(room.id)
 
@@ -139,7 +139,7 @@ def test_room_that_is_new_gets_an_id_of_its_own() -> None:
     match = vdoor.match(finished_map(small), finished_map(large))
     assert [(kept.id, round(kept.same, 1)) for kept in match.kept] == [(1, 1.0), (2, 1.0)]
     assert (match.new, match.gone, match.taken) == ((3,), (), 3)
-    back = vdoor.match(finished_map(large).edited(match.edits), finished_map(small), taken=9)
+    back = vdoor.match(vdoor.edited(finished_map(large), match.edits), finished_map(small), taken=9)
     assert (back.new, back.gone, back.taken) == ((), (3,), 9)
     again = vdoor.match(finished_map(small), finished_map(large), taken=9)
     assert (again.new, again.taken) == ((10,), 10)
@@ -148,10 +148,10 @@ def test_room_that_is_new_gets_an_id_of_its_own() -> None:
 def test_split_and_merged_rooms_are_told() -> None:
     one = finished_map(OccupancyGrid.from_array(finished.house(3, (1, 6, 4), (2, 6, 4)), maps.CELL_M))
     x_m, y_m = one.room(2).centre_m
-    parted = one.edited([f"split {x_m + 0.5},{y_m} {x_m + 0.5},{y_m + 1}"])
+    parted = vdoor.edited(one, [f"split {x_m + 0.5},{y_m} {x_m + 0.5},{y_m + 1}"])
     match = vdoor.match(one, parted)
     assert (dict(match.split), dict(match.merged), match.new) == ({2: (2, 4)}, {}, (4,))
-    back = vdoor.match(parted.edited(match.edits), one)
+    back = vdoor.match(vdoor.edited(parted, match.edits), one)
     assert (dict(back.split), dict(back.merged), back.gone) == ({}, {2: (2, 4)}, (4,))
     assert "room 2 was split into 2, 4" in list(match.lines())
     assert "room 2 was merged from 2, 4" in list(back.lines())
@@ -171,7 +171,7 @@ def test_maps_of_nothing_in_common_share_no_room() -> None:
 def test_ids_that_the_user_gave_stand(fixed: set[int]) -> None:
     flat = finished.topology("flat")
     match = vdoor.match(old(), flat, numbered=fixed, named={2} if fixed else ())
-    after = flat.edited(match.edits)
+    after = vdoor.edited(flat, match.edits)
     assert len(set(after.room_ids)) == 5
     for room in fixed:
         assert after.room_at(flat.room(room).centre_m) == after.room(room)
@@ -186,7 +186,7 @@ def test_ids_that_the_user_gave_stand(fixed: set[int]) -> None:
 def test_edits_come_over_to_where_they_belong() -> None:
     lines = ("split 7.3,4.3 7.3,4.5", "merge 2.9,6.5 7.1,6.7", "name 2.9,6.5 Loft")
     flat = finished.topology("flat")
-    older = Older.of(flat.edited(lines), {"edit": {"edits": list(lines), "taken": 12}})
+    older = Older.of(vdoor.edited(flat, lines), {"edit": {"edits": list(lines), "taken": 12}})
     cells = np.pad(flat_cells(), ((1, 4), (7, 0)), constant_values=UNKNOWN)
     pipeline, match = carried_over(
         older, OccupancyGrid.from_array(cells, maps.CELL_M), vdoor.PRESETS["paper"], seed=0, edits_too=True
@@ -220,7 +220,7 @@ def test_maps_of_robots_lie_where_their_own_frame_says(tmp_path: Path) -> None:
     assert new.own_origin_cm == corner_cm
     older = dataclasses.replace(finished.topology("flat"), own_origin_cm=(corner_cm[0] + 30.0, corner_cm[1] + 50.0))
     assert known_shift_m(older, new) == pytest.approx((0.3, -0.5))
-    assert known_shift_m(older.edited(["name 2.9,6.5 Kitchen"]), new) == known_shift_m(older, new)
+    assert known_shift_m(vdoor.edited(older, ["name 2.9,6.5 Kitchen"]), new) == known_shift_m(older, new)
     assert known_shift_m(older, finished.topology("flat")) == (0.0, 0.0)
 
 

@@ -20,13 +20,14 @@ from rosbags.highlevel import AnyReader
 
 from vdoor.emit import Recorder, RunInfo
 from vdoor.errors import RecordingError
+from vdoor.frame import Frame
 from vdoor.grid import OccupancyGrid, Source
-from vdoor.hold import held_signals
-from vdoor.record import Frame, Record, Spec, equal
+from vdoor.interrupts import held_signals
+from vdoor.method.search.generation import Generation
+from vdoor.record import Record, Spec, equal
 from vdoor.recording import about
 from vdoor.recording import mcap as recorded
 from vdoor.recording.mcap import McapSink, read_recording
-from vdoor.stages.search import Generation
 from vdoor.topology import TopologicalMap
 
 SOURCE = Source(files=(("flat.yaml", b"image: flat.pgm\n"), ("flat.pgm", b"P5 1 1 255 \x00")), options={"free": 0.196})

@@ -18,16 +18,17 @@ from test_cli import HOME, call
 from vacuum import centre_cm, home, write_home
 
 import vdoor
+from vdoor.api import prepared
 from vdoor.config import DEFAULT_PRESET, settings_of, to_toml
-from vdoor.edits import append_edits, parse
+from vdoor.editing.edits import append_edits, parse
+from vdoor.editing.places import place_text
 from vdoor.emit import RunInfo
 from vdoor.export import save
 from vdoor.grid import FREE, UNKNOWN, OccupancyGrid
-from vdoor.pipeline import METHODS, PRESETS, RECORDS, prepared
-from vdoor.places import place_text
+from vdoor.method.simplify import SimplifiedGrid
+from vdoor.pipeline import METHODS, PRESETS, RECORDS
 from vdoor.record import Record
 from vdoor.recording.mcap import read_recording
-from vdoor.stages.simplify import SimplifiedGrid
 from vdoor.synth import PRESETS as KINDS
 from vdoor.synth import synthesize
 

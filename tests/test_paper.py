@@ -15,22 +15,22 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from vdoor.evidence import DoorCount, Study, apartments, walked
-from vdoor.evidence.document import to_json
-from vdoor.evidence.everything import Size, gathered
-from vdoor.evidence.folder import files
-from vdoor.evidence.page import page
-from vdoor.evidence.pictures import NAMES
-from vdoor.evidence.runs import runs
-from vdoor.evidence.slips import arctan_wrong
-from vdoor.evidence.sub_cases import SUB_CASES
-from vdoor.evidence.table import Table
-from vdoor.evidence.walk_through import figure_map
+from vdoor.experiments.search_study import Graph
+from vdoor.method.corners import Candidates
+from vdoor.method.curvature import Curvature
+from vdoor.paper import DoorCount, Study, apartments, walked
+from vdoor.paper.document import to_json
+from vdoor.paper.everything import Size, gathered
+from vdoor.paper.folder import files
+from vdoor.paper.page import page
+from vdoor.paper.pictures import NAMES
+from vdoor.paper.runs import runs
+from vdoor.paper.slips import arctan_wrong
+from vdoor.paper.sub_cases import SUB_CASES
+from vdoor.paper.table import Table
+from vdoor.paper.walk_through import figure_map
 from vdoor.pipeline import RECORDS, recorded
 from vdoor.recording.mcap import read_recording
-from vdoor.stages.corners import Candidates
-from vdoor.stages.curvature import Curvature
-from vdoor.study import Graph
 
 VDOOR = Path(sys.executable).parent / "vdoor"
 STORED = Path(__file__).parent.parent / "recordings" / "paper"

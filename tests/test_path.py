@@ -14,9 +14,9 @@ from scipy import ndimage
 from skimage import measure
 
 from vdoor.grid import FREE, OccupancyGrid
-from vdoor.stages.contours import STEP, follow
-from vdoor.stages.simplify import SimplifiedGrid
-from vdoor.stages.trace import BoundaryPath, TraceBoundary
+from vdoor.method.boundary import BoundaryPath, TraceBoundary
+from vdoor.method.simplify import SimplifiedGrid
+from vdoor.raster.contours import STEP, follow
 
 State = tuple[int, int, int]
 

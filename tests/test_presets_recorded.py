@@ -19,12 +19,12 @@ from vdoor.config import settings_of
 from vdoor.emit import RunInfo
 from vdoor.errors import RecordingError, VdoorError
 from vdoor.goldens import drawing
+from vdoor.method.initial_map import InitialMap
+from vdoor.method.search import certificate as certify
 from vdoor.pipeline import METHODS, PRESETS, RECORDS, Pipeline, emitted
 from vdoor.pipeline import recorded as pipeline_of
 from vdoor.recording.check import check
 from vdoor.recording.mcap import McapSink, read_recording
-from vdoor.stages import certify
-from vdoor.stages.rooms import InitialMap
 from vdoor.viz.rerun.blueprint import TABS, tabs_of
 from vdoor.viz.rerun.shot import NO_RENDERER, shots
 from vdoor.viz.rerun.style import DOUBTFUL, SURE, odds

@@ -14,15 +14,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from vdoor.errors import RecordingError
+from vdoor.frame import Frame
 from vdoor.grid import OccupancyGrid
-from vdoor.record import Frame, Record, equal, specs
+from vdoor.method.corners import Corners
+from vdoor.method.scoring.features import FEATURES
+from vdoor.method.scoring.score import DoorScores
+from vdoor.method.search.generation import Generation
+from vdoor.method.simplify import SimplifiedGrid
+from vdoor.record import Record, equal, specs
 from vdoor.recording import codec, ros
 from vdoor.recording.columns import told
-from vdoor.stages.corners import Corners
-from vdoor.stages.features import FEATURES
-from vdoor.stages.score import DoorScores
-from vdoor.stages.search import Generation
-from vdoor.stages.simplify import SimplifiedGrid
 from vdoor.topology import TopologicalMap
 
 TIME_NS = 1_577_836_800_000_000_000

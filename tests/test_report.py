@@ -26,10 +26,11 @@ from vdoor.emit import RunInfo
 from vdoor.errors import RecordingError, VdoorError
 from vdoor.export import Export, read_finished, to_report
 from vdoor.export.report import Story
+from vdoor.frame import Frame
 from vdoor.grid import OccupancyGrid, Source
-from vdoor.record import Frame, Record, Spec
-from vdoor.stages.search import Generation
-from vdoor.stages.simplify import SimplifiedGrid
+from vdoor.method.search.generation import Generation
+from vdoor.method.simplify import SimplifiedGrid
+from vdoor.record import Record, Spec
 
 HOME = Path(__file__).parent.parent
 VDOOR = Path(sys.executable).parent / "vdoor"

@@ -14,12 +14,12 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from vdoor.grid import FREE, OccupancyGrid
+from vdoor.method.doors import PROPOSED, ProposeDoors
+from vdoor.method.final_map import merged
+from vdoor.method.initial_map import InitialMap
+from vdoor.method.search.problem import MergeProblem
 from vdoor.pipeline import Pipeline
-from vdoor.stages.cost import MergeProblem
-from vdoor.stages.doors import PROPOSED, ProposeDoors
-from vdoor.stages.merge import merged
-from vdoor.stages.polygons import centres, polygons
-from vdoor.stages.rooms import InitialMap
+from vdoor.raster.polygons import centres, polygons
 
 LONG_DOORS = Pipeline(doors=ProposeDoors(max_length_m=2.4))
 Labels = NDArray[Any]

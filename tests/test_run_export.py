@@ -13,8 +13,8 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from vdoor.formats.result import greys
 from vdoor.grid import FREE, OCCUPIED
+from vdoor.results.writing import greys
 
 HOME = Path(__file__).parent.parent
 FLAT = HOME / "recordings" / "flat.yaml"

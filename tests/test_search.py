@@ -13,11 +13,13 @@ from maps import CELL_M, Cells, drawn, law, small_maps, stages
 
 from vdoor.errors import SettingError
 from vdoor.grid import OccupancyGrid
+from vdoor.method.doors import ProposeDoors
+from vdoor.method.search.costs import MapCost
+from vdoor.method.search.generation import Generation
+from vdoor.method.search.incremental import FlipState
+from vdoor.method.search.optimisers import AnnealingSearch, ExhaustiveSearch, GeneticSearch
+from vdoor.method.search.problem import MergeProblem
 from vdoor.pipeline import Pipeline
-from vdoor.stages.cost import MapCost, MergeProblem
-from vdoor.stages.doors import ProposeDoors
-from vdoor.stages.flips import FlipState
-from vdoor.stages.search import AnnealingSearch, ExhaustiveSearch, Generation, GeneticSearch
 
 LONG_DOORS = Pipeline(doors=ProposeDoors(max_length_m=2.4))
 ONE_ROOM = "####\n#..#\n#..#\n####"

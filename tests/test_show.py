@@ -14,9 +14,9 @@ from terminals import Screen, called, history, recorded, terminal
 from test_why import PROVEN, TWO_ROOMS
 
 from vdoor.grid import OccupancyGrid
+from vdoor.method.doors import VERDICTS, VirtualDoors
+from vdoor.method.simplify import SimplifyGrid
 from vdoor.pipeline import Pipeline
-from vdoor.stages.doors import VERDICTS, VirtualDoors
-from vdoor.stages.simplify import SimplifyGrid
 from vdoor.synth import PRESETS, synthesize
 from vdoor.viz.terminal.canvas import CODE, INKS, Canvas
 from vdoor.viz.terminal.picture import Picture, colour

@@ -13,7 +13,7 @@ from scipy import ndimage
 
 from vdoor.errors import MapError
 from vdoor.grid import FREE, OCCUPIED, UNKNOWN, OccupancyGrid
-from vdoor.stages.simplify import REASONS, SimplifiedGrid, SimplifyGrid, working_frame
+from vdoor.method.simplify import REASONS, SimplifiedGrid, SimplifyGrid, working_frame
 
 NEVER = {"passes": 0}
 

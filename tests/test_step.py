@@ -14,9 +14,9 @@ from terminals import Screen, called, history, recorded, terminal
 from test_why import PROVEN, TWO_ROOMS
 
 from vdoor.history import History
+from vdoor.method.corners import Corners
+from vdoor.method.doors import PROPOSED, VERDICTS
 from vdoor.pipeline import Pipeline
-from vdoor.stages.corners import Corners
-from vdoor.stages.doors import PROPOSED, VERDICTS
 from vdoor.synth import PRESETS, synthesize
 from vdoor.viz.terminal.facts import facts
 from vdoor.viz.terminal.walk import KEYS, Walk, entered, pressed, stops

@@ -20,19 +20,19 @@ from hypothesis import strategies as st
 from PIL import Image
 from rerun.chunk import RrdReader
 
+from vdoor.api import run
 from vdoor.errors import SettingError
 from vdoor.evaluate import Division, Reference, Tally, evaluate, marked_doors, rooms_of
-from vdoor.evidence.doors_counted import METHODS as COUNTED
-from vdoor.evidence.doors_counted import counted
-from vdoor.pipeline import PRESETS, run
-from vdoor.stages.search import GeneticSearch
+from vdoor.experiments import Choice, Point, Trial, by_setting, planned, read_trials, spread, swept, trial_of
+from vdoor.experiments.steps import MOST_VALUES, PAPER, values_in
+from vdoor.experiments.sweep import doors_counted
+from vdoor.experiments.sweep_report import lines, value_text
+from vdoor.method.search.optimisers import GeneticSearch
+from vdoor.paper.doors_counted import METHODS as COUNTED
+from vdoor.paper.doors_counted import counted
+from vdoor.pipeline import PRESETS
 from vdoor.synth import PRESETS as KINDS
 from vdoor.synth import synthesize, write_synthetic
-from vdoor.trials import Choice, Point, Trial, by_setting, planned, read_trials, spread, swept, trial_of
-from vdoor.trials.steps import PAPER
-from vdoor.trials.sweep import doors_counted
-from vdoor.trials.sweep_report import lines, value_text
-from vdoor.trials.values import MOST_VALUES, values_in
 from vdoor.viz.charts import sweep_png
 from vdoor.viz.panels import PANELS, Line, axis_of, limits, series_of
 from vdoor.viz.rerun.sweep import HEIGHT, WIDTH, Chart, save_sweeps, ticks

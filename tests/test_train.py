@@ -10,9 +10,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from vdoor.method.scoring.features import FEATURES, FIRST
+from vdoor.method.scoring.model import Curve, Curves, DoorModel, Rough, model_named, table_of
 from vdoor.pipeline import Pipeline
-from vdoor.stages.door_model import Curve, Curves, DoorModel, Rough, model_named, table_of
-from vdoor.stages.features import FEATURES, FIRST
 from vdoor.synth import PRESETS, synthesize, write_synthetic
 from vdoor.train import RealDoors, default_pipeline, fitted_model, labelled_lessons, mean_of, synthetic_lessons
 from vdoor.train.examples import Examples, examples, judged

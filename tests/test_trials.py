@@ -22,13 +22,7 @@ from scipy import ndimage
 from vdoor.config import settings_of
 from vdoor.errors import MapError, SettingError, VdoorError
 from vdoor.evaluate import evaluate, marked_doors
-from vdoor.grid import FREE, OCCUPIED, UNKNOWN, OccupancyGrid
-from vdoor.pipeline import METHODS, PRESETS
-from vdoor.record import equal
-from vdoor.stages.simplify import SimplifiedGrid
-from vdoor.synth import PRESETS as KINDS
-from vdoor.synth import synthesize, write_synthetic
-from vdoor.trials import (
+from vdoor.experiments import (
     CHANGES,
     VARIANTS,
     Change,
@@ -40,15 +34,20 @@ from vdoor.trials import (
     changed,
     measured,
     read_trials,
-    report,
     robustness,
     summarised,
+    tables,
     variants_with,
 )
-from vdoor.trials.ablation import mean_and_spread
-from vdoor.trials.changes import Sheet, as_is, coarsen, keeps_walls_closed, roughen, turn
-from vdoor.trials.robustness import moved
-from vdoor.trials.turn import turned, turned_frame
+from vdoor.experiments.ablation import mean_and_spread
+from vdoor.experiments.changes import Sheet, as_is, coarsen, keeps_walls_closed, roughen, turn, turned, turned_frame
+from vdoor.experiments.robustness import moved
+from vdoor.grid import FREE, OCCUPIED, UNKNOWN, OccupancyGrid
+from vdoor.method.simplify import SimplifiedGrid
+from vdoor.pipeline import METHODS, PRESETS
+from vdoor.record import equal
+from vdoor.synth import PRESETS as KINDS
+from vdoor.synth import synthesize, write_synthetic
 
 RNG = np.random.default_rng(0)
 angles = st.floats(-180, 180)
@@ -477,13 +476,13 @@ def test_table_and_json() -> None:
         Row(name="as it is", figures={"door_f1": 0.5, "door_f1_difference": 0.0}, worst_map="lab"),
         Row(name="turned", figures={"door_f1": 0.25, "door_f1_difference": -0.25}),
     ]
-    lines = list(report.table(rows, {"F1": "door_f1", "differs": "door_f1_difference", "iou": "iou_sym"}, "maps"))
+    lines = list(tables.table(rows, {"F1": "door_f1", "differs": "door_f1_difference", "iou": "iou_sym"}, "maps"))
     assert [line.split() for line in lines] == [
         ["maps", "F1", "differs", "iou", "worst", "map"],
         ["as", "it", "is", "0.500", "+0.000", "-", "lab"],
         ["turned", "0.250", "-0.250", "-", "-"],
     ]
-    told = report.document(rows, [], "default", 3)
+    told = tables.document(rows, [], "default", 3)
     assert json.loads(json.dumps(told, allow_nan=False)) == told
     assert [row["name"] for row in told["rows"]] == ["as it is", "turned"]
 

@@ -18,8 +18,8 @@ from vacuum import CELL_CM, FLAT, LEFT, TOP, centre_cm, home, rows_of
 
 from vdoor.errors import MapError, MapWarning
 from vdoor.formats import read_annotations, read_map, read_source
+from vdoor.frame import Frame
 from vdoor.grid import Annotations, OccupancyGrid, Segment, Source
-from vdoor.record import Frame
 
 MARGIN = 2
 

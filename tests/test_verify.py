@@ -15,12 +15,11 @@ from vdoor import goldens
 from vdoor.emit import RunInfo
 from vdoor.errors import MapError, SettingError
 from vdoor.grid import OccupancyGrid, Source
+from vdoor.method.search.generation import Generation
 from vdoor.pipeline import RECORDS
 from vdoor.record import Record
-from vdoor.recording.diff import Pair
+from vdoor.recording.diff import Pair, verify
 from vdoor.recording.mcap import read_recording
-from vdoor.recording.verify import verify
-from vdoor.stages.search import Generation
 
 GOLDEN = Path(__file__).parent.parent / "recordings" / "golden"
 

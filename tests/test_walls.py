@@ -16,10 +16,10 @@ from scipy import ndimage
 
 import vdoor
 from vdoor.grid import FREE, OCCUPIED, UNKNOWN, OccupancyGrid
+from vdoor.method.search.generation import Generation
+from vdoor.method.simplify import REASONS, SimplifiedGrid
+from vdoor.method.spaces import Spaces, disc, opened, square
 from vdoor.pipeline import PRESETS, Pipeline
-from vdoor.stages.search import Generation
-from vdoor.stages.simplify import REASONS, SimplifiedGrid
-from vdoor.stages.spaces import Spaces, disc, opened, square
 from vdoor.synth import Apartment, Home, Office, synthesize
 
 DEFAULT = PRESETS["default"]

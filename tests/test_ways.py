@@ -18,11 +18,11 @@ from numpy.typing import NDArray
 
 import vdoor
 from vdoor.errors import VdoorError
-from vdoor.export.reading import _assembled
-from vdoor.export.straight import SLACK, cost, crossed
-from vdoor.export.ways import CLEAR_M, STEEP, Side, doorways, weights
+from vdoor.export.path_simplification import SLACK, cost, crossed
+from vdoor.export.routes import CLEAR_M, STEEP, Side, doorways, weights
+from vdoor.frame import Frame
 from vdoor.grid import OccupancyGrid
-from vdoor.record import Frame
+from vdoor.results.reading import _assembled
 from vdoor.topology import Door, TopologicalMap
 
 WITH_DOORS = [name for name in finished.NAMES if name != "one room"]

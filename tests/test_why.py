@@ -13,22 +13,23 @@ from maps import CELL_M, drawn
 from terminals import called, history, recorded
 
 from vdoor.errors import RecordingError, SettingError
+from vdoor.explain import explain
+from vdoor.explain.corners import sample_fate
+from vdoor.explain.doors import door_fate
+from vdoor.explain.text import to_lines
 from vdoor.history import History
-from vdoor.history.course import Course
+from vdoor.history.convergence import Course
+from vdoor.method.corners import Corners, cosine, gaps_m
+from vdoor.method.doors import VERDICTS, VirtualDoors
+from vdoor.method.search.costs import MapCost
+from vdoor.method.search.generation import Generation
+from vdoor.method.search.incremental import FlipState
+from vdoor.method.search.optimisers import ExhaustiveSearch
+from vdoor.method.simplify import SimplifyGrid
 from vdoor.pipeline import RECORDS, Pipeline
 from vdoor.record import Record
 from vdoor.recording.mcap import McapSink, read_recording
-from vdoor.stages.corners import Corners, cosine, gaps_m
-from vdoor.stages.cost import MapCost
-from vdoor.stages.doors import VERDICTS, VirtualDoors
-from vdoor.stages.flips import FlipState
-from vdoor.stages.search import ExhaustiveSearch, Generation
-from vdoor.stages.simplify import SimplifyGrid
 from vdoor.synth import PRESETS, synthesize
-from vdoor.why import explain
-from vdoor.why.bends import sample_fate
-from vdoor.why.doors import door_fate
-from vdoor.why.text import to_lines
 
 TWO_ROOMS = """
     #####################

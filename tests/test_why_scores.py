@@ -13,20 +13,19 @@ from scored import BIAS, DOOR_SAYS, GENEROUS, SINGLE_SAYS, scored, write_curves
 from terminals import called, history, recorded
 from test_why import DOOR_M
 
+from vdoor.explain import explain
+from vdoor.explain.doors import door_fate
+from vdoor.explain.scores import Reason, Rival, reasons_of, score_fate
+from vdoor.explain.text import percent, to_lines
 from vdoor.history import History
-from vdoor.history.terms import terms_of
+from vdoor.method.doors import PROPOSED
+from vdoor.method.scoring.features import FEATURES
+from vdoor.method.scoring.score import JUDGEMENTS, ScoreDoors
+from vdoor.method.search.costs import DoorEnergy
+from vdoor.method.search.incremental import FlipState
 from vdoor.pipeline import PRESETS, Pipeline
-from vdoor.stages.cost import DoorEnergy
-from vdoor.stages.doors import PROPOSED
-from vdoor.stages.features import FEATURES
-from vdoor.stages.flips import FlipState
-from vdoor.stages.score import JUDGEMENTS, ScoreDoors
 from vdoor.synth import PRESETS as KINDS_OF_MAPS
 from vdoor.synth import synthesize
-from vdoor.why import explain
-from vdoor.why.doors import door_fate
-from vdoor.why.scores import Reason, Rival, reasons_of, score_fate
-from vdoor.why.text import percent, to_lines
 
 SINGLES = (1, 2, 5, 6)
 """From the jambs two metres into the rooms."""
@@ -187,7 +186,7 @@ def test_terms_of_the_energy_add_up_and_the_lack_is_that_of_the_rooms(apartment:
     cost, problem = apartment.cost, apartment.problem
     assert isinstance(cost, DoorEnergy)
     for number, generation in enumerate(apartment.search):
-        terms = {term.name: term for term in terms_of(apartment, number)}
+        terms = {term.name: term for term in apartment.terms(number)}
         assert sum(term.cost for term in terms.values()) == pytest.approx(generation.best_cost)
         room, is_open = problem.rooms(generation.removed[None])
         area_m2 = np.bincount(room[0], weights=problem.cells * is_open[0]) * problem.cell_m2

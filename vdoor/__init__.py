@@ -12,11 +12,13 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from vdoor.api import run
+    from vdoor.editing import edited
     from vdoor.errors import MapError, MapWarning, RecordingError, SettingError, VdoorError
     from vdoor.formats import read_map
     from vdoor.grid import OccupancyGrid
     from vdoor.matching import Match, match
-    from vdoor.pipeline import PRESETS, Pipeline, run
+    from vdoor.pipeline import PRESETS, Pipeline
     from vdoor.topology import Door, Room, TopologicalMap
 
 __version__ = "0.1.0"
@@ -33,6 +35,7 @@ __all__ = [
     "SettingError",
     "TopologicalMap",
     "VdoorError",
+    "edited",
     "match",
     "read_map",
     "run",
@@ -43,7 +46,9 @@ _HOME = {
     "formats": ("read_map",),
     "grid": ("OccupancyGrid",),
     "matching": ("Match", "match"),
-    "pipeline": ("PRESETS", "Pipeline", "run"),
+    "api": ("run",),
+    "editing": ("edited",),
+    "pipeline": ("PRESETS", "Pipeline"),
     "topology": ("Door", "Room", "TopologicalMap"),
 }
 

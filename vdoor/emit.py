@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from typing import Any, Protocol, TypeVar
 
 from vdoor.grid import Source
-from vdoor.hold import held_signals
+from vdoor.interrupts import held_signals
 from vdoor.record import Record
 
 R = TypeVar("R", bound=Record)

@@ -1,5 +1,8 @@
 """What can go wrong in a way the user can mend: one class, and the few children worth telling apart."""
 
+import re
+import sys
+
 
 class VdoorError(ValueError):
     """Wrong use or input: the message names the place, what was wanted, what was found, the path last."""
@@ -19,3 +22,17 @@ class SettingError(VdoorError):
 
 class RecordingError(VdoorError):
     """A recording that is damaged, foreign or of another schema."""
+
+
+def say(text: str) -> None:
+    """One line on stderr, with the program's name before it."""
+    sys.stderr.write(f"vdoor: {text}\n")
+
+
+NOT_PRINTABLE = re.compile(r"[^\t\n\x20-\x7e\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+"""What a terminal might take for a command, and XML does not hold."""
+
+
+def printable(text: str) -> str:
+    """Text without the characters that a file could use to play tricks on a terminal."""
+    return NOT_PRINTABLE.sub("?", text)

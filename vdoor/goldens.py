@@ -14,15 +14,14 @@ import numpy as np
 from vdoor import __version__
 from vdoor.config import replaced, settings_of
 from vdoor.emit import Recorder, RunInfo
-from vdoor.errors import RecordingError
+from vdoor.errors import RecordingError, printable
 from vdoor.files import make_folder, partial_name
 from vdoor.formats import read_map, read_source
 from vdoor.grid import OccupancyGrid, Source
 from vdoor.pipeline import METHODS, RECORDS, preset_named
 from vdoor.recording.diff import compare, runs_that_differ
+from vdoor.recording.diff_report import lines, setting_line
 from vdoor.recording.mcap import McapSink, read_recording
-from vdoor.recording.printable import printable
-from vdoor.recording.report import lines, setting_line
 from vdoor.synth import PRESETS, synthesize, write_synthetic
 
 SEED = 0

@@ -8,7 +8,8 @@ from typing import Annotated, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from vdoor.record import Frame, Record, Spec
+from vdoor.frame import Frame
+from vdoor.record import Record, Spec
 
 UNKNOWN, FREE, OCCUPIED = -1, 0, 100
 # Nav2's defaults for trinary maps, on the message's scale of 0 to 100.

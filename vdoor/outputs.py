@@ -11,10 +11,9 @@ from pathlib import Path
 from types import FrameType
 
 from vdoor.emit import RunInfo, Sink
-from vdoor.errors import VdoorError
+from vdoor.errors import VdoorError, say
 from vdoor.files import give_name, partial_name
 from vdoor.record import Record
-from vdoor.say import say
 
 QUIET_S = 1.0
 

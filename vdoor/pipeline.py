@@ -7,35 +7,33 @@ are doors (III, eq. 7).
 
 from __future__ import annotations
 
-import dataclasses
-import warnings
 from collections import deque
 from dataclasses import dataclass, field
-from typing import NamedTuple
 
 import numpy as np
 
 from vdoor.baselines import ErodedSpace, ErodedSpacePipeline, GrownRooms, Narrows, Skeleton, VoronoiDoorsPipeline
-from vdoor.config import DEFAULT_PRESET, with_settings
+from vdoor.config import with_settings
+from vdoor.editing.apply import EditRooms, Edits
 from vdoor.emit import Emit, RunInfo, silent
-from vdoor.errors import MapWarning, SettingError
+from vdoor.errors import SettingError
 from vdoor.grid import OccupancyGrid
-from vdoor.prepare import in_own_frame, placed
+from vdoor.method.boundary import BoundaryPath, TraceBoundary
+from vdoor.method.corners import Candidates, Corners, FindCandidates, FindCorners
+from vdoor.method.curvature import Curvature, EstimateCurvature
+from vdoor.method.doors import ProposeDoors, VirtualDoors
+from vdoor.method.final_map import MergeRooms
+from vdoor.method.initial_map import DivideRooms, InitialMap
+from vdoor.method.scoring.score import DoorScores, NoScores, ScoreDoors
+from vdoor.method.search.certificate import BoundEnergy, Certificate, NoProof
+from vdoor.method.search.costs import DoorEnergy, MapCost
+from vdoor.method.search.generation import Generation
+from vdoor.method.search.memetic import MemeticSearch
+from vdoor.method.search.optimisers import AnnealingSearch, ExhaustiveSearch, GeneticSearch
+from vdoor.method.search.problem import MergeProblem
+from vdoor.method.simplify import SimplifiedGrid, SimplifyGrid
+from vdoor.method.wide_doors import ProposeWideDoors
 from vdoor.record import Record
-from vdoor.stages.certify import BoundEnergy, Certificate, NoProof
-from vdoor.stages.corners import Candidates, Corners, FindCandidates, FindCorners
-from vdoor.stages.cost import DoorEnergy, MapCost, MergeProblem
-from vdoor.stages.curvature import Curvature, EstimateCurvature
-from vdoor.stages.doors import ProposeDoors, VirtualDoors
-from vdoor.stages.edit import EditRooms, Edits
-from vdoor.stages.memetic import MemeticSearch
-from vdoor.stages.merge import MergeRooms
-from vdoor.stages.rooms import DivideRooms, InitialMap
-from vdoor.stages.score import DoorScores, NoScores, ScoreDoors
-from vdoor.stages.search import AnnealingSearch, ExhaustiveSearch, Generation, GeneticSearch
-from vdoor.stages.simplify import SimplifiedGrid, SimplifyGrid
-from vdoor.stages.trace import BoundaryPath, TraceBoundary
-from vdoor.stages.wide import ProposeWideDoors
 from vdoor.topology import TopologicalMap
 
 RECORDS: tuple[type[Record], ...] = (
@@ -178,44 +176,3 @@ def emitted(info: RunInfo) -> tuple[type[Record], ...]:
         return recorded(info).records
     except SettingError:
         return PRESETS.get(info.preset, Pipeline()).records
-
-
-class Prepared(NamedTuple):
-    """A pipeline for one map, and what its user should know of it; empty where nothing had to be assumed."""
-
-    pipeline: AnyPipeline
-    note: str = ""
-
-
-def prepared(pipeline: AnyPipeline, grid: OccupancyGrid) -> Prepared:
-    """The pipeline as `run` takes it for this map: with the robot where the map's file says, unless its place is set.
-
-    A place that is set stands, so that to prepare twice changes nothing.
-    """
-    simplify, note = placed(pipeline.simplify, grid)
-    return Prepared(dataclasses.replace(pipeline, simplify=simplify), note)
-
-
-def run(
-    grid: OccupancyGrid, preset: str | AnyPipeline = DEFAULT_PRESET, *, seed: int = 0, emit: Emit = silent
-) -> TopologicalMap:
-    """The topological map of `grid` by a preset or a pipeline of your own; equal seeds give equal results.
-
-    The same as `vdoor run`: the pipeline is `prepared` for the map, then it is `run_prepared`. To record a run do both
-    yourself: it can be done again with the settings of the prepared pipeline.
-
-    Warns
-    -----
-    MapWarning
-        where the map's file names a place of the robot that cannot be
-
-    """
-    pipeline, note = prepared(preset_named(preset) if isinstance(preset, str) else preset, grid)
-    if note:
-        warnings.warn(note, MapWarning, stacklevel=2)
-    return run_prepared(grid, pipeline, seed=seed, emit=emit)
-
-
-def run_prepared(grid: OccupancyGrid, pipeline: AnyPipeline, *, seed: int = 0, emit: Emit = silent) -> TopologicalMap:
-    """The same by a pipeline whose settings stand as they are, wherever the map's file says that the robot is."""
-    return in_own_frame(pipeline(grid, np.random.default_rng(seed), emit), grid.source)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
-from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Annotated, ClassVar
@@ -13,10 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vdoor.errors import RecordingError, SettingError
-from vdoor.record import Frame, Record, Spec
-from vdoor.stages.doors import KINDS
-from vdoor.stages.runs import runs_of
+from vdoor.frame import Frame
+from vdoor.raster.runs import runs_of
+from vdoor.record import Record, Spec
 
+KINDS = ("pair", "single", "passage", "extension", "added")
+"""Kinds of doors, as `Door.kind` describes them."""
 Polygon = tuple[tuple[tuple[float, float], ...], ...]
 
 
@@ -172,16 +172,6 @@ class TopologicalMap(Record):
         """The doors that lead out of a room, by its id; `SettingError` where there is no such room."""
         self.room_row(room)
         return [self._door(row) for row in np.flatnonzero((self.room_a == room) | (self.room_b == room)).tolist()]
-
-    def edited(self, edits: Iterable[str]) -> TopologicalMap:
-        """The map after edits, one after the other, as in ``name 1.2,3.4 Kitchen``; see `vdoor.edits` for the others.
-
-        An edit that cannot be done here changes nothing. Raises `SettingError` for a line that is no edit.
-        """
-        from vdoor.stages.edit import EditRooms  # noqa: PLC0415  # which makes maps
-
-        after = EditRooms(edits=tuple(edits))(self).topology
-        return dataclasses.replace(after, own_origin_cm=self.own_origin_cm)
 
     def _door(self, row: int) -> Door:
         return Door(

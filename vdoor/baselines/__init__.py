@@ -4,8 +4,8 @@ The paper's reference [8] divides a map by virtual doors that it finds with a ge
 configuration space. Its details are not known here, so each idea is a baseline of its own.
 """
 
+from vdoor.baselines.critical_lines import Narrows
 from vdoor.baselines.eroded_space import ErodedSpace, ErodedSpacePipeline, GrownRooms
-from vdoor.baselines.narrows import Narrows
 from vdoor.baselines.skeleton import Skeleton
 from vdoor.baselines.voronoi_doors import VoronoiDoorsPipeline
 

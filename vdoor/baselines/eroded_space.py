@@ -10,17 +10,18 @@ from numpy.typing import NDArray
 from skimage.measure import label as label_cells
 from skimage.segmentation import watershed
 
-from vdoor.baselines.clearance import clearance_m
 from vdoor.baselines.plain import map_of_labels
+from vdoor.baselines.skeleton import clearance_m
 from vdoor.config import Within
+from vdoor.editing.apply import EditRooms, Edits
 from vdoor.emit import Emit, silent
+from vdoor.frame import Frame
 from vdoor.grid import FREE, OccupancyGrid
-from vdoor.record import Frame, Record, Spec
-from vdoor.stages.edit import EditRooms, Edits
-from vdoor.stages.labels import at_input, flooded, numbered, whole
-from vdoor.stages.polygons import centres
-from vdoor.stages.runs import runs_of
-from vdoor.stages.simplify import SimplifiedGrid, SimplifyGrid
+from vdoor.method.simplify import SimplifiedGrid, SimplifyGrid
+from vdoor.raster.labels import at_input, flooded, numbered, whole
+from vdoor.raster.polygons import centres
+from vdoor.raster.runs import runs_of
+from vdoor.record import Record, Spec
 from vdoor.topology import TopologicalMap
 
 EPSILON = 1e-9

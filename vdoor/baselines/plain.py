@@ -7,12 +7,13 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from vdoor.frame import Frame
 from vdoor.grid import OccupancyGrid
-from vdoor.record import Frame, Record, specs
-from vdoor.stages.corners import Corners
-from vdoor.stages.final_doors import contacts, passages_at
-from vdoor.stages.final_map import Features, map_of
-from vdoor.stages.trace import BoundaryPath
+from vdoor.method.boundary import BoundaryPath
+from vdoor.method.corners import Corners
+from vdoor.method.final_doors import contacts, passages_at
+from vdoor.method.final_map import Features, map_of
+from vdoor.record import Record, specs
 from vdoor.topology import TopologicalMap
 
 Ints = NDArray[np.int32]

@@ -7,12 +7,13 @@ from typing import Annotated, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import ndimage
 from skimage.morphology import skeletonize
 
-from vdoor.baselines.clearance import clearance_m
+from vdoor.frame import Frame
 from vdoor.grid import FREE
-from vdoor.record import Frame, Record, Spec
-from vdoor.stages.simplify import SimplifiedGrid
+from vdoor.method.simplify import SimplifiedGrid
+from vdoor.record import Record, Spec
 
 
 class Skeleton(Record):
@@ -38,3 +39,13 @@ class DrawSkeleton:
             clearance_m=clearance_m(simplified)[thin],
             frame=simplified.frame,
         )
+
+
+def clearance_m(simplified: SimplifiedGrid) -> NDArray[np.float64]:
+    """Distance (h, w) of each free cell's centre to that of the nearest cell that is not; 0 where not free.
+
+    What lies beyond the map's edge is not free.
+    """
+    free = np.pad(simplified.cells == FREE, 1)
+    distance: NDArray[np.float64] = ndimage.distance_transform_edt(free)
+    return distance[1:-1, 1:-1] * simplified.frame.resolution_m

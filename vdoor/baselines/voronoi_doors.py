@@ -6,21 +6,22 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from vdoor.baselines.narrows import NARROW, FindNarrows, Narrows
+from vdoor.baselines.critical_lines import NARROW, FindNarrows, Narrows
 from vdoor.baselines.plain import without_corners
 from vdoor.baselines.skeleton import DrawSkeleton, Skeleton
+from vdoor.editing.apply import EditRooms, Edits
 from vdoor.emit import Emit, silent
 from vdoor.grid import FREE, OccupancyGrid
+from vdoor.method.doors import PROPOSED, VERDICTS, Found, VirtualDoors, measures, without_duplicates
+from vdoor.method.final_map import MergeRooms
+from vdoor.method.initial_map import DivideRooms, InitialMap
+from vdoor.method.search.costs import MapCost
+from vdoor.method.search.generation import Generation, summary
+from vdoor.method.search.problem import MergeProblem
+from vdoor.method.simplify import SimplifiedGrid, SimplifyGrid
+from vdoor.raster.lines import lines_between
 from vdoor.record import Record
-from vdoor.stages.cost import MapCost, MergeProblem
-from vdoor.stages.doors import KINDS, PROPOSED, VERDICTS, Found, VirtualDoors, measures, without_duplicates
-from vdoor.stages.edit import EditRooms, Edits
-from vdoor.stages.lines import lines_between
-from vdoor.stages.merge import MergeRooms
-from vdoor.stages.rooms import DivideRooms, InitialMap
-from vdoor.stages.search import Generation, summary
-from vdoor.stages.simplify import SimplifiedGrid, SimplifyGrid
-from vdoor.topology import TopologicalMap
+from vdoor.topology import KINDS, TopologicalMap
 
 KIND = KINDS.index("pair")  # a door between two places, though they are no corners
 

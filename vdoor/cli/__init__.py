@@ -23,8 +23,7 @@ from vdoor.cli import (
     trials,
     viewing,
 )
-from vdoor.errors import VdoorError
-from vdoor.say import say
+from vdoor.errors import VdoorError, say
 
 app = typer.Typer(
     help="Rooms and doors from occupancy grid maps, every stage on record.",

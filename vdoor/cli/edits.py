@@ -10,13 +10,12 @@ import typer
 
 from vdoor.cli.rooms import Result
 from vdoor.cli.run_edits import EDITS
-from vdoor.errors import SettingError, VdoorError
-from vdoor.say import say
+from vdoor.errors import SettingError, VdoorError, say
 
 if TYPE_CHECKING:
-    from vdoor.edits import Edit
+    from vdoor.editing.edits import Edit
+    from vdoor.editing.places import Point
     from vdoor.export import Finished
-    from vdoor.places import Point
     from vdoor.topology import TopologicalMap
 
 RoomWord = Annotated[str, typer.Argument(metavar="ROOM", help="A room's id or name, or a place in it as X,Y.")]
@@ -38,7 +37,7 @@ def rename(
     edits: EditsFile = None,
 ) -> None:
     """Give a room a name: in the result folder, and in its edits for the next run."""
-    from vdoor.edits import Edit
+    from vdoor.editing.edits import Edit
 
     desk = _Desk(result, edits)
     _, place = desk.room(room)
@@ -48,7 +47,7 @@ def rename(
 
 def split(result: Result, start: PlaceWord, end: PlaceWord, *, edits: EditsFile = None) -> None:
     """Cut a room in two along a line, which goes on to the room's walls."""
-    from vdoor.edits import Edit
+    from vdoor.editing.edits import Edit
 
     desk = _Desk(result, edits)
     _say_parts(desk.do(Edit("split", (desk.place(start), desk.place(end)))))
@@ -56,7 +55,7 @@ def split(result: Result, start: PlaceWord, end: PlaceWord, *, edits: EditsFile 
 
 def merge(result: Result, room: RoomWord, other: RoomWord, *, edits: EditsFile = None) -> None:
     """Make two rooms that touch one, which keeps the id and name of the first."""
-    from vdoor.edits import Edit
+    from vdoor.editing.edits import Edit
 
     desk = _Desk(result, edits)
     (one, place), (two, beside) = desk.room(room), desk.room(other)
@@ -74,7 +73,7 @@ def door(
     edits: EditsFile = None,
 ) -> None:
     """Add a door from one place to another, jamb to jamb, or remove one: the rooms it joins become one."""
-    from vdoor.edits import Edit
+    from vdoor.editing.edits import Edit
 
     wanted = {"add": 2, "remove": 1}
     if action not in wanted:
@@ -116,7 +115,7 @@ class _Desk:
 
     def place(self, text: str, *, what: str = "place", wanted: str = "X,Y") -> Point:
         """Where X,Y is."""
-        from vdoor.places import parse_place
+        from vdoor.editing.places import parse_place
 
         return parse_place(text, what=what, wanted=wanted)
 
@@ -144,8 +143,8 @@ class _Desk:
 
     def do(self, edit: Edit) -> Done:
         """The map after an edit, which is kept; `VdoorError` where it cannot be done on this map."""
-        from vdoor.edits import parse
-        from vdoor.stages.edit import DONE, NEEDLESS, VERDICTS, EditRooms
+        from vdoor.editing.apply import DONE, NEEDLESS, VERDICTS, EditRooms
+        from vdoor.editing.edits import parse
 
         edit = parse(str(edit))  # places to the millimetre, as the file has them
         after, told = EditRooms(edits=(str(edit),), taken=self._older.taken)(self.topology)
@@ -161,9 +160,9 @@ class _Desk:
 
     def _keep(self, edit: Edit, after: TopologicalMap) -> None:
         """Write the edit behind those that the result was made with, and the map after it into the folder."""
-        from vdoor.edits import append_edits, read_edits
+        from vdoor.editing.edits import append_edits, read_edits
         from vdoor.files import write_whole
-        from vdoor.formats.result import rewritten
+        from vdoor.results.writing import rewritten
 
         before = list(self._older.edits)
         lines = [*map(str, before), str(edit)]

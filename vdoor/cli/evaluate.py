@@ -11,7 +11,7 @@ from typing import Annotated
 import typer
 
 from vdoor.cli.options import Force, Json, Resolution
-from vdoor.say import say
+from vdoor.errors import say
 
 
 def evaluate(
@@ -43,7 +43,7 @@ def evaluate(
 ) -> None:
     """Measure rooms and doors against the truth."""
     from vdoor.errors import SettingError
-    from vdoor.evaluate import MapChoice, evaluate_case, matched, report
+    from vdoor.evaluate import MapChoice, evaluate_case, matched, tables
     from vdoor.files import refuse_existing
 
     if free_from is not None and map_ is None:
@@ -54,17 +54,17 @@ def evaluate(
     maps = MapChoice(path=map_, resolution_m=resolution, free_from=free_from)
     with _notes_said(quiet=quiet):
         evaluations = [evaluate_case(case, maps, bare_map) for case in cases.cases]
-    short = report.shortfalls(report.summary(evaluations), min_ or ())
-    for name, partner in report.lonely(cases) if not quiet else ():
+    short = tables.shortfalls(tables.summary(evaluations), min_ or ())
+    for name, partner in tables.lonely(cases) if not quiet else ():
         say(f"note: {name} has no {partner} and is not measured")
     if save is not None:
         from vdoor.viz.rerun.evaluation import save_evaluations
 
         save_evaluations(save, evaluations)
     if as_json:
-        print(json.dumps(report.document(evaluations, cases), indent=1, allow_nan=False))
+        print(json.dumps(tables.document(evaluations, cases), indent=1, allow_nan=False))
     else:
-        print("\n".join(report.lines(evaluations)))
+        print("\n".join(tables.lines(evaluations)))
     for text in short:
         say(text)
     raise typer.Exit(int(bool(short)))

@@ -7,14 +7,13 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from vdoor.errors import SettingError
-from vdoor.say import say
+from vdoor.errors import SettingError, say
 
 if TYPE_CHECKING:
+    from vdoor.editing.places import Point
+    from vdoor.frame import Frame
     from vdoor.grid import OccupancyGrid
     from vdoor.pipeline import AnyPipeline
-    from vdoor.places import Point
-    from vdoor.record import Frame
 
 PIPE = "-"
 MapFile = Annotated[
@@ -81,7 +80,7 @@ def robot_place(grid: OccupancyGrid, text: str | None, *, cells: bool) -> tuple[
 
 def place_in(frame: Frame, text: str, *, what: str, cells: bool) -> Point:
     """Place from the command line, X,Y of the map frame or COL,ROW of its cells; an error says `what` it is for."""
-    from vdoor.places import parse_place
+    from vdoor.editing.places import parse_place
 
     x, y = parse_place(text, what=what, wanted="COL,ROW" if cells else "X,Y")
     if not cells:
@@ -94,7 +93,7 @@ def place_in(frame: Frame, text: str, *, what: str, cells: bool) -> Point:
 
 def prepared_pipeline(pipeline: AnyPipeline, grid: OccupancyGrid, *, quiet: bool) -> AnyPipeline:
     """The pipeline as `vdoor.run` takes it for this map; where the robot is by the map's file is said on stderr."""
-    from vdoor.pipeline import prepared
+    from vdoor.api import prepared
 
     there, note = prepared(pipeline, grid)
     if there != pipeline:

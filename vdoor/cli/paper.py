@@ -8,8 +8,7 @@ from typing import Annotated
 import typer
 
 from vdoor.cli.options import Force, Json, Seed
-from vdoor.errors import SettingError
-from vdoor.say import say
+from vdoor.errors import SettingError, say
 
 
 def paper(
@@ -32,10 +31,10 @@ def paper(
     """Do the paper's figures, table and claims again, ours beside the printed: 0 if all claims hold, 1 if not."""
     if rrd and out is None:
         raise SettingError("--rrd: wanted a folder for the recordings as well, say --out paper")
-    from vdoor.evidence import document, folder, tables
-    from vdoor.evidence.claims import claims
-    from vdoor.evidence.everything import Size, gathered
     from vdoor.files import refuse_existing, refuse_folder
+    from vdoor.paper import document, folder, tables
+    from vdoor.paper.claims import claims
+    from vdoor.paper.everything import Size, gathered
     from vdoor.viz.matplot import require_matplotlib
 
     if out is not None:

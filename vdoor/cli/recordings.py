@@ -12,14 +12,13 @@ import typer
 
 from vdoor import __version__
 from vdoor.cli.options import Force, Json, MaxCells
-from vdoor.errors import RecordingError, SettingError, VdoorError
-from vdoor.say import say
+from vdoor.errors import RecordingError, SettingError, VdoorError, say
 
 if TYPE_CHECKING:
     from vdoor.emit import Emit, RunInfo
     from vdoor.recording.diff import Listener, Setting
+    from vdoor.recording.diff_report import Result
     from vdoor.recording.mcap import Recording
-    from vdoor.recording.report import Result
 
 Rec = Annotated[Path, typer.Argument(metavar="REC.mcap", help="Recording of a run.")]
 
@@ -40,17 +39,19 @@ def verify(
 ) -> None:
     """Run recordings again from their own contents: 0 if all is equal, 1 if not, 2 if one cannot be read."""
     from vdoor.files import refuse_existing, write_whole
-    from vdoor.recording import report
+    from vdoor.recording import diff_report
 
     files = list(_files(recordings))
     refuse_existing([path for path in (junit, save) if path], force=force, reads=files)
     if save and len(files) > 1:
         raise SettingError(f"--save: wanted one recording to draw, found {len(files)}")
     results = [_verified(path, max_cells, save) for path in files]
-    print(report.to_json([result.table for result in results]) if as_json else "\n".join(report.table(results)))
+    print(
+        diff_report.to_json([result.table for result in results]) if as_json else "\n".join(diff_report.table(results))
+    )
     if junit is not None:
-        write_whole(junit, report.junit(results))
-    raise typer.Exit(report.exit_code(results))
+        write_whole(junit, diff_report.junit(results))
+    raise typer.Exit(diff_report.exit_code(results))
 
 
 def diff(
@@ -62,12 +63,12 @@ def diff(
     as_json: Json = False,
 ) -> None:
     """Compare two recordings, settings first, then stage by stage: 0 if all is equal, 1 if not."""
+    from vdoor.errors import printable
     from vdoor.files import refuse_existing
     from vdoor.pipeline import RECORDS
-    from vdoor.recording import report
+    from vdoor.recording import diff_report
     from vdoor.recording.diff import compare, runs_that_differ
     from vdoor.recording.mcap import read_recording
-    from vdoor.recording.printable import printable
 
     refuse_existing([save] if save else [], force=force, reads=[one, other])
     runs = [read_recording(path, types=RECORDS) for path in (one, other)]
@@ -75,22 +76,22 @@ def diff(
     with _drawn(save, runs[0].info) as listen:
         found = compare(*(map(itemgetter(1), run) for run in runs), types=RECORDS, listen=listen)
     if as_json:
-        print(report.to_json({"equal": found.equal and not settings, "settings": settings, "comparison": found}))
+        print(diff_report.to_json({"equal": found.equal and not settings, "settings": settings, "comparison": found}))
     else:
         names = ("A", "B")
         if runs[0].info.version != runs[1].info.version:
             print(printable(f"note: A was written by vdoor {runs[0].info.version}, B by {runs[1].info.version}"))
-        lines = [*(report.setting_line(setting, names) for setting in settings), *report.lines(found, names)]
+        lines = [*(diff_report.setting_line(setting, names) for setting in settings), *diff_report.lines(found, names)]
         print("\n".join(lines) if lines else "equal")
     raise typer.Exit(int(bool(settings) or not found.equal))
 
 
 def info(rec: Rec, *, as_json: Json = False) -> None:
     """Say what a recording holds: run, map, settings, stages, and whether it is whole."""
+    from vdoor.errors import printable
     from vdoor.pipeline import RECORDS, emitted
-    from vdoor.recording import report, summary
+    from vdoor.recording import diff_report, summary
     from vdoor.recording.check import check as checked
-    from vdoor.recording.printable import printable
 
     health = checked(rec, types=RECORDS, emits=emitted)
     if health.info is None:
@@ -98,7 +99,7 @@ def info(rec: Rec, *, as_json: Json = False) -> None:
     changed = _changed(health.info)
     if as_json:
         said = summary.run_table(health.info) | {"changed": changed} | summary.health_table(health)
-        print(report.to_json(said))
+        print(diff_report.to_json(said))
         return
     for line in [*summary.run_lines(health.info, changed), *summary.health_lines(health)]:
         print(printable(line))
@@ -106,14 +107,14 @@ def info(rec: Rec, *, as_json: Json = False) -> None:
 
 def check(rec: Rec, *, as_json: Json = False) -> None:
     """Read all of a recording and compare every checksum and index: 0 if it is whole, 1 if not."""
+    from vdoor.errors import printable
     from vdoor.pipeline import RECORDS, emitted
-    from vdoor.recording import report, summary
+    from vdoor.recording import diff_report, summary
     from vdoor.recording.check import check as checked
-    from vdoor.recording.printable import printable
 
     health = checked(rec, types=RECORDS, emits=emitted)
     if as_json:
-        print(report.to_json(summary.health_table(health)))
+        print(diff_report.to_json(summary.health_table(health)))
     else:
         print("\n".join(map(printable, summary.health_lines(health))))
     raise typer.Exit(int(not health.whole))
@@ -127,16 +128,16 @@ def recover(
     as_json: Json = False,
 ) -> None:
     """Write a whole recording of what a damaged one still holds: 1 and no file if that is nothing."""
+    from vdoor.errors import printable
     from vdoor.files import refuse_existing
     from vdoor.pipeline import RECORDS, emitted
-    from vdoor.recording import report
-    from vdoor.recording.printable import printable
+    from vdoor.recording import diff_report
     from vdoor.recording.recover import recover as recovered
 
     refuse_existing([out], force=force, recovers=broken)
     found = recovered(broken, out, types=RECORDS, emits=emitted)
     if as_json:
-        print(report.to_json(found))
+        print(diff_report.to_json(found))
     else:
         lost = [*(f"lost: {text}" for text in (*found.damage, *found.missing))] or ["nothing was lost"]
         kept = [f"{topic:12s} {count:6d}" for topic, count in found.records.items()]
@@ -194,9 +195,9 @@ def _verified(path: Path, max_cells: int, save: Path | None) -> Result:
     import warnings
 
     from vdoor.pipeline import RECORDS
+    from vdoor.recording.diff import verify as verified
+    from vdoor.recording.diff_report import Result
     from vdoor.recording.mcap import read_recording
-    from vdoor.recording.report import Result
-    from vdoor.recording.verify import verify as verified
 
     try:
         recording = read_recording(path, types=RECORDS)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 import typer
 
 from vdoor.cli.options import Json, place_in
-from vdoor.say import say
+from vdoor.errors import say
 
 if TYPE_CHECKING:
     from vdoor.topology import Door, Room, TopologicalMap
@@ -63,8 +63,8 @@ def room_at(
     """Tell which room a place is in: 0 and the room's number, or 1 where there is no room."""
     import json
 
+    from vdoor.editing.places import parse_place
     from vdoor.export import read_finished
-    from vdoor.places import parse_place
 
     parse_place(place, wanted="COL,ROW" if cells else "X,Y")  # refused before anything is read
     topology = read_finished(result).topology

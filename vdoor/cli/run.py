@@ -30,7 +30,7 @@ from vdoor.cli.options import (
 )
 from vdoor.cli.run_edits import EditNotes, leave_edits, matched, with_edits
 from vdoor.config import DEFAULT_PRESET
-from vdoor.say import say
+from vdoor.errors import say
 
 if TYPE_CHECKING:
     from vdoor.emit import RunInfo
@@ -81,14 +81,14 @@ def run(
     verbose: Annotated[bool, typer.Option("--verbose", "-v", help="Every stage on stderr, with its time.")] = False,
 ) -> None:
     """Find the rooms and doors of a map."""
+    from vdoor.api import run_prepared
     from vdoor.emit import Recorder, Stopwatch
-    from vdoor.formats import result
     from vdoor.outputs import Outputs, Progress, opened
-    from vdoor.pipeline import run_prepared
+    from vdoor.results import writing
 
     outputs = Outputs(save=save, mcap=mcap, connect=connect, serve=serve, spawn=spawn)
     exports = RunExports(export or ())
-    written = [*outputs.files, *([out / name for name in result.NAMES] if out else []), *exports.files]
+    written = [*outputs.files, *([out / name for name in writing.NAMES] if out else []), *exports.files]
     _refuse_outputs(written, out, [map_file, *([edits] if edits else [])], force=force)
     grid = read_grid(map_file, resolution, unknown_value, max_cells, topic=topic, quiet=quiet)
     _refuse_sources(written, map_file, grid)
@@ -105,9 +105,9 @@ def run(
         watch = Stopwatch(Recorder([*recording.sinks, *exports.sinks(info), *told]))
         topology = run_prepared(grid, pipeline, seed=seed, emit=watch)
         recording.finish_files()
-        document = result.document_of(topology, info, watch.cpu_s) | ({"match": found.document()} if found else {})
+        document = writing.document_of(topology, info, watch.cpu_s) | ({"match": found.document()} if found else {})
         if out:
-            result.write_result(out, grid, topology, document)
+            writing.write_result(out, grid, topology, document)
             leave_edits(out, pipeline.edit.edits, quiet=quiet)
         refused = exports.write(topology, map_file)
         _print_result(topology, document, as_json=as_json)

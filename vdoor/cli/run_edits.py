@@ -8,8 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from vdoor.errors import SettingError, VdoorError
-from vdoor.say import say
+from vdoor.errors import SettingError, VdoorError, say
 
 if TYPE_CHECKING:
     from vdoor.emit import Sink
@@ -27,9 +26,9 @@ def with_edits(
     pipeline: AnyPipeline, file: Path | None, closed_doors: Sequence[str], grid: OccupancyGrid
 ) -> AnyPipeline:
     """The pipeline with the edits of a file, then doors that were shut; `SettingError` where no wall is at a place."""
-    from vdoor.edits import Edit, read_edits
-    from vdoor.places import parse_place
-    from vdoor.stages.closed_doors import THICKEST_M, openings
+    from vdoor.editing.closed_doors import THICKEST_M, openings
+    from vdoor.editing.edits import Edit, read_edits
+    from vdoor.editing.places import parse_place
 
     edits = read_edits(file) if file is not None else []
     for text in closed_doors:
@@ -47,7 +46,7 @@ def with_edits(
 
 def leave_edits(folder: Path, lines: Sequence[str], *, quiet: bool) -> None:
     """Write the edits of a run into its folder; other edits that stood there go on under another name."""
-    from vdoor.edits import append_edits, parse, read_edits
+    from vdoor.editing.edits import append_edits, parse, read_edits
     from vdoor.files import write_whole
 
     path, before = folder / EDITS, folder / f"before.{EDITS}"
@@ -99,7 +98,7 @@ class EditNotes:
 
     def write(self, step: int, record: Record) -> None:
         """Say it of the one record that tells."""
-        from vdoor.stages.edit import DONE, NEEDLESS, Edits, told
+        from vdoor.editing.apply import DONE, NEEDLESS, Edits, told
 
         del step
         if not isinstance(record, Edits):

@@ -55,7 +55,7 @@ def bench(
     as_json: Json = False,
 ) -> None:
     """Measure CPU seconds of the method, stage by stage."""
-    from vdoor import benchmark
+    from vdoor.experiments import benchmark
 
     pipeline = chosen_pipeline(preset, None, set_)
     grids = {path.name: read_grid(path, resolution, None, 100_000_000, quiet=True) for path in maps or ()}
@@ -71,7 +71,7 @@ def search_study(
     as_json: Json = False,
 ) -> None:
     """Compare the search with the proven optimum, by number of virtual doors."""
-    from vdoor import study
+    from vdoor.experiments import search_study as study
     from vdoor.pipeline import Pipeline
 
     pipeline = chosen_pipeline("paper", None, set_)

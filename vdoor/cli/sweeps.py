@@ -11,11 +11,10 @@ import typer
 from vdoor.cli.options import PRESET_HELP, Force, Json, Resolution, Seed, Set, chosen_pipeline
 from vdoor.cli.trials import BareMap, Exclude, FreeFrom, Only, Quiet, chosen, read
 from vdoor.config import DEFAULT_PRESET
-from vdoor.errors import SettingError
-from vdoor.say import say
+from vdoor.errors import SettingError, say
 
 if TYPE_CHECKING:
-    from vdoor.trials import Choice, Point, Step, Trial
+    from vdoor.experiments import Choice, Point, Step, Trial
 
 PAPER = "paper"
 """The preset whose settings are swept where none is named."""
@@ -70,8 +69,8 @@ def sweep(
     virtual ones are those of the result's own list, as the paper counts them; accuracy is matched / virtual.
     """
     from vdoor.config import settings_of
+    from vdoor.experiments import steps, sweep_report
     from vdoor.pipeline import METHODS
-    from vdoor.trials import steps, sweep_report
 
     preset = preset or (DEFAULT_PRESET if sweeps else PAPER)
     pipeline = chosen_pipeline(preset, None, set_)
@@ -131,8 +130,8 @@ def _trials(
     maps: Path | None, choice: Choice | None, apartments: int | None, *, furnished: bool, quiet: bool
 ) -> list[Trial]:
     """The maps asked for, or apartments."""
-    from vdoor.evidence.apartments import FIRST_SEED, drawn
-    from vdoor.trials import trial_of
+    from vdoor.experiments import trial_of
+    from vdoor.paper.apartments import FIRST_SEED, drawn
 
     if maps is None and choice is None:
         made = drawn(apartments or APARTMENTS, furniture=furnished, cell_m=CELL_M)
@@ -146,8 +145,8 @@ def _trials(
 
 def _swept(todo: list[Step], trials: list[Trial], *, quiet: bool) -> list[Point]:
     """All points; each on stderr as soon as it is there."""
-    from vdoor.trials import swept
-    from vdoor.trials.sweep_report import value_text
+    from vdoor.experiments import swept
+    from vdoor.experiments.sweep_report import value_text
 
     points = []
     for number, point in enumerate(swept(todo, trials), start=1):

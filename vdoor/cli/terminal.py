@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from vdoor.cli.options import Json, place_in
-from vdoor.errors import SettingError
-from vdoor.say import say
+from vdoor.errors import SettingError, say
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -85,8 +84,8 @@ def why(
     import dataclasses
     import json
 
-    from vdoor.why import explain
-    from vdoor.why.text import to_lines
+    from vdoor.explain import explain
+    from vdoor.explain.text import to_lines
 
     run = _read(recording)
     answer = explain(run, place_in(run.input.frame, at, what="--at", cells=cells), count=count)

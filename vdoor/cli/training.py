@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import typer
 
 from vdoor.cli.options import Force, Seed
-from vdoor.say import say
+from vdoor.errors import say
 
 
 def train(

@@ -12,10 +12,10 @@ import typer
 from vdoor.cli.evaluate import _notes_said
 from vdoor.cli.options import Json, Preset, Resolution, Seed, Set, chosen_pipeline
 from vdoor.config import DEFAULT_PRESET
-from vdoor.say import say
+from vdoor.errors import say
 
 if TYPE_CHECKING:
-    from vdoor.trials import Choice, Row, Trial
+    from vdoor.experiments import Choice, Row, Trial
 
 Maps = Annotated[Path, typer.Argument(metavar="MAPS", help="Folder of maps, or a map.")]
 Reference = Annotated[
@@ -51,7 +51,7 @@ def ablate(
     quiet: Quiet = False,
 ) -> None:
     """Measure what each part of the recipe is worth, on maps whose rooms or doors are known."""
-    from vdoor.trials import ablation, report, variants_with
+    from vdoor.experiments import ablation, tables, variants_with
 
     pipeline = chosen_pipeline(preset, None, set_)
     variants, models = variants_with(model or ())
@@ -59,8 +59,8 @@ def ablate(
     trials = read(maps, choice, quiet=quiet)
     found = ablation(trials, pipeline, variants=variants, models=models, seed=seed)
     rows = _said(found, quiet=quiet)
-    table = report.table(rows, report.ABLATION, "variant")
-    _print(report.document(rows, trials, preset, seed) if as_json else table)
+    table = tables.table(rows, tables.ABLATION, "variant")
+    _print(tables.document(rows, trials, preset, seed) if as_json else table)
 
 
 def robust(
@@ -79,14 +79,14 @@ def robust(
     quiet: Quiet = False,
 ) -> None:
     """Measure what doors lose on maps turned, in larger cells, and with noise on their walls."""
-    from vdoor.trials import report, robustness
+    from vdoor.experiments import robustness, tables
 
     pipeline = chosen_pipeline(preset, None, set_)
     choice = chosen(reference, bare_map, resolution_m=resolution, free_from=free_from, only=only, exclude=exclude)
     trials = read(maps, choice, quiet=quiet)
     rows = _said(robustness(trials, pipeline, seed=seed), quiet=quiet)
-    table = report.table(rows, report.ROBUSTNESS, "maps")
-    _print(report.document(rows, trials, preset, seed) if as_json else table)
+    table = tables.table(rows, tables.ROBUSTNESS, "maps")
+    _print(tables.document(rows, trials, preset, seed) if as_json else table)
 
 
 def chosen(
@@ -99,7 +99,7 @@ def chosen(
     exclude: list[str] | None,
 ) -> Choice:
     """Which maps are tried, and how they are read, from the options that say so."""
-    from vdoor.trials import Choice
+    from vdoor.experiments import Choice
 
     return Choice(
         reference=reference, bare=bare, resolution_m=resolution_m, free_from=free_from,
@@ -109,7 +109,7 @@ def chosen(
 
 def read(maps: Path, choice: Choice, *, quiet: bool) -> list[Trial]:
     """Maps with references; those without, and what readers warn of, on stderr."""
-    from vdoor.trials import read_trials
+    from vdoor.experiments import read_trials
 
     with _notes_said(quiet=quiet):
         found = read_trials(maps, choice)

@@ -14,8 +14,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from vdoor.cli.options import Force
-from vdoor.errors import RecordingError, SettingError, VdoorError
-from vdoor.say import say
+from vdoor.errors import RecordingError, SettingError, VdoorError, say
 
 if TYPE_CHECKING:
     from vdoor.record import Record
@@ -147,7 +146,7 @@ def _refuse_unreadable(path: Path) -> None:
         found = "none" if not path.exists() else "a folder" if path.is_dir() else "a device or pipe"
         raise VdoorError(f"recording: wanted an .rrd or .mcap file, found {found}: {path}")
     if _is_rrd(path):
-        from vdoor.viz.rerun.readable import refuse_unreadable
+        from vdoor.viz.rerun.program import refuse_unreadable
 
         refuse_unreadable(path)
         return

@@ -2,12 +2,12 @@
 
 from vdoor.evaluate.cases import Case, Cases, matched
 from vdoor.evaluate.division import Division, MapChoice, read_division
-from vdoor.evaluate.doors import Doors, contact_doors, marked_doors
+from vdoor.evaluate.door_matching import DoorMatch, Tally, match_doors
+from vdoor.evaluate.door_places import Doors, contact_doors, marked_doors
 from vdoor.evaluate.evaluation import Evaluation, evaluate, evaluate_case, means, pooled
-from vdoor.evaluate.labels import rooms_of
-from vdoor.evaluate.matching import DoorMatch, Tally, match_doors
+from vdoor.evaluate.label_images import rooms_of
 from vdoor.evaluate.reference import Reference, read_reference
-from vdoor.evaluate.rooms import RoomScore, compare_rooms
+from vdoor.evaluate.room_scores import RoomScore, compare_rooms
 
 __all__ = [
     "Case", "Cases", "Division", "DoorMatch", "Doors", "Evaluation", "MapChoice", "Reference", "RoomScore", "Tally",

@@ -7,9 +7,9 @@ from pathlib import Path
 
 from vdoor.errors import VdoorError
 from vdoor.evaluate.division import is_result
-from vdoor.evaluate.reading import LABEL_SUFFIXES, read_table
+from vdoor.evaluate.label_files import LABEL_SUFFIXES, read_table
 from vdoor.evaluate.reference import ENDINGS, bare_name
-from vdoor.formats.valetudo import is_valetudo
+from vdoor.formats.valetudo_json import is_valetudo
 
 REFERENCE_SUFFIXES = (*LABEL_SUFFIXES, ".json")
 References = dict[str, tuple[Path, str | None]]

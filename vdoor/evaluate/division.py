@@ -11,12 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vdoor.errors import VdoorError
-from vdoor.evaluate.doors import Doors, contact_doors
-from vdoor.evaluate.labels import Labels, rooms_of
-from vdoor.evaluate.reading import read_image, read_labels, read_table
+from vdoor.evaluate.door_places import Doors, contact_doors
+from vdoor.evaluate.label_files import read_image, read_labels, read_table
+from vdoor.evaluate.label_images import Labels, rooms_of
 from vdoor.formats import READERS, read_map
+from vdoor.frame import Frame
 from vdoor.grid import OccupancyGrid
-from vdoor.record import Frame
 
 IMAGES = (".pgm", ".png", ".bmp", ".tif", ".tiff")
 

@@ -10,10 +10,10 @@ import numpy as np
 
 from vdoor.evaluate.cases import Case
 from vdoor.evaluate.division import Division, MapChoice, read_division
-from vdoor.evaluate.doors import Doors
-from vdoor.evaluate.matching import TOLERANCES_M, DoorMatch, Tally, match_doors
+from vdoor.evaluate.door_matching import TOLERANCES_M, DoorMatch, Tally, match_doors
+from vdoor.evaluate.door_places import Doors
 from vdoor.evaluate.reference import Reference, read_reference
-from vdoor.evaluate.rooms import RoomScore, compare_rooms
+from vdoor.evaluate.room_scores import RoomScore, compare_rooms
 
 ENDINGS = dict(zip(TOLERANCES_M, ("", "_1m"), strict=True))
 """How the figures of each tolerance are called."""

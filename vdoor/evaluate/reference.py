@@ -13,11 +13,12 @@ from numpy.typing import NDArray
 
 from vdoor.errors import MapError, VdoorError
 from vdoor.evaluate.division import Division, MapChoice, check_size, is_result
-from vdoor.evaluate.doors import Doors, contact_doors, marked_doors
-from vdoor.evaluate.labels import Labels, rooms_of
-from vdoor.evaluate.reading import read_table, read_true_rooms
-from vdoor.formats.reading import shown
-from vdoor.formats.valetudo import is_valetudo, segment_labels
+from vdoor.evaluate.door_places import Doors, contact_doors, marked_doors
+from vdoor.evaluate.label_files import read_table, read_true_rooms
+from vdoor.evaluate.label_images import Labels, rooms_of
+from vdoor.formats.source import shown
+from vdoor.formats.valetudo import segment_labels
+from vdoor.formats.valetudo_json import is_valetudo
 
 ENDINGS = ("_truth", "_reference", "_gt_segmentation")
 """What references are called beside the name of their map."""

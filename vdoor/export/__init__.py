@@ -15,17 +15,15 @@ from typing import NamedTuple
 from vdoor.errors import SettingError
 from vdoor.export.geojson import to_geojson
 from vdoor.export.graphml import to_graphml
-from vdoor.export.keepout import to_keepout
-from vdoor.export.labels import to_labels
 from vdoor.export.nav2_route import to_nav2_route
 from vdoor.export.node_link import to_json
-from vdoor.export.raster import SUFFIXES, Raster
-from vdoor.export.reading import Finished, files_of, read_finished
+from vdoor.export.raster import SUFFIXES, Raster, to_keepout, to_labels
 from vdoor.export.report import to_report
 from vdoor.export.rmf import to_rmf
 from vdoor.export.svg import to_svg
 from vdoor.export.virtual_walls import to_virtual_walls
 from vdoor.files import refuse_existing, write_whole
+from vdoor.results.reading import Finished, files_of, read_finished
 from vdoor.topology import TopologicalMap
 
 __all__ = [

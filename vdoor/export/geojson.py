@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from vdoor.export import feature_collection
-from vdoor.export.feature_collection import feature
-from vdoor.export.finite import refuse_not_finite
+import json
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from vdoor.export.checks import refuse_not_finite
 from vdoor.export.geometry import line_m, right_handed
 from vdoor.topology import Door, Room, TopologicalMap
 
@@ -22,7 +24,7 @@ def to_geojson(topology: TopologicalMap) -> str:
     doors = [
         feature("LineString", line_m(topology, door), _door(door), id=f"door-{door.id}") for door in topology.doors
     ]
-    return feature_collection.to_text("vdoor", [*rooms, *doors])
+    return collection_text("vdoor", [*rooms, *doors])
 
 
 def _room(room: Room) -> dict[str, object]:
@@ -48,3 +50,20 @@ def _door(door: Door) -> dict[str, object]:
         "start_m": door.start_m,
         "end_m": door.end_m,
     }
+
+
+CRS = {"type": "name", "properties": {"name": "urn:ogc:def:crs:EPSG::3857"}}
+"""What Nav2's own files say, so that map programs take the numbers as metres and not as degrees."""
+
+
+def feature(kind: str, coordinates: Any, properties: Mapping[str, Any], **more: Any) -> dict[str, Any]:
+    """One feature with a geometry of that kind."""
+    geometry = {"type": kind, "coordinates": coordinates}
+    return {"type": "Feature", **more, "properties": properties, "geometry": geometry}
+
+
+def collection_text(name: str, features: Iterable[Mapping[str, Any]]) -> str:
+    """A collection of features as JSON, one a line."""
+    head = json.dumps({"type": "FeatureCollection", "name": name, "crs": CRS})[:-1]
+    lines = ",\n".join(json.dumps(item, allow_nan=False) for item in features)
+    return f'{head}, "features": [\n{lines}\n]}}\n'

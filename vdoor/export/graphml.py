@@ -8,7 +8,7 @@ from typing import Any
 
 import networkx as nx
 
-from vdoor.export.finite import refuse_not_finite
+from vdoor.export.checks import refuse_not_finite
 from vdoor.topology import TopologicalMap
 
 

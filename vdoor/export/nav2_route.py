@@ -8,11 +8,10 @@ from itertools import pairwise
 from typing import Any, NamedTuple
 
 from vdoor.errors import VdoorError
-from vdoor.export import feature_collection
-from vdoor.export.feature_collection import feature
-from vdoor.export.finite import refuse_not_finite
+from vdoor.export.checks import refuse_not_finite
+from vdoor.export.geojson import collection_text, feature
 from vdoor.export.geometry import Point
-from vdoor.export.ways import Doorway, doorways
+from vdoor.export.routes import Doorway, doorways
 from vdoor.topology import TopologicalMap
 
 FRAME = "map"
@@ -59,7 +58,7 @@ def to_nav2_route(topology: TopologicalMap) -> str:
             waypoints += bends
     points = [_point(node) for node in (*rooms.values(), *doors.values(), *waypoints)]
     edges = [_line(next(number), start, end, {"kind": "way"} | about) for start, end, about in lines]
-    return feature_collection.to_text("vdoor_route", [*points, *edges])
+    return collection_text("vdoor_route", [*points, *edges])
 
 
 def _about(way: Doorway) -> dict[str, Any]:

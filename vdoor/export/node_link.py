@@ -7,7 +7,7 @@ import json
 from importlib import resources
 from typing import Any
 
-from vdoor.export.finite import refuse_not_finite
+from vdoor.export.checks import refuse_not_finite
 from vdoor.topology import Door, Room, TopologicalMap
 
 VERSION = 1

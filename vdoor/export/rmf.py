@@ -8,9 +8,9 @@ from typing import Any
 
 import yaml
 
-from vdoor.export.finite import refuse_not_finite
+from vdoor.export.checks import refuse_not_finite
 from vdoor.export.geometry import Point, line_m
-from vdoor.export.ways import Doorway, doorways
+from vdoor.export.routes import Doorway, doorways
 from vdoor.topology import Room, TopologicalMap
 
 LEVEL = "L1"

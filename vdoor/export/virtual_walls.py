@@ -7,8 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from vdoor.export.chosen import check_rooms
-from vdoor.export.finite import refuse_not_finite
+from vdoor.export.checks import check_rooms, refuse_not_finite
 from vdoor.export.geometry import Point, line_m
 from vdoor.topology import Door, TopologicalMap
 

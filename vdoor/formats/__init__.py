@@ -11,7 +11,7 @@ from typing import BinaryIO, NamedTuple, Protocol
 
 from vdoor.errors import MapError, MapWarning
 from vdoor.formats import bags, images, map_server, message, numpy_array, valetudo
-from vdoor.formats.reading import MAX_CELLS, Options, Request, base_name
+from vdoor.formats.source import MAX_CELLS, Options, Request, base_name
 from vdoor.grid import Annotations, OccupancyGrid, Source
 
 __all__ = ["MAX_CELLS", "READERS", "Reader", "read_annotations", "read_map", "read_piped", "read_source"]

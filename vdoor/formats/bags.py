@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, NoReturn
 from vdoor.errors import MapError, RecordingError
 from vdoor.formats import message
 from vdoor.formats.bag_files import Bag, open_bag
-from vdoor.formats.reading import Options, Request, shown
+from vdoor.formats.source import Options, Request, shown
 from vdoor.formats.unpacking import unpack_zstd
 from vdoor.grid import Source
 from vdoor.recording.mcap import read_recording

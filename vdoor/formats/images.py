@@ -15,7 +15,7 @@ from PIL import Image, UnidentifiedImageError
 from vdoor.errors import MapError
 from vdoor.formats import pgm
 from vdoor.formats.occupancy import GreyImage, Rule, cells_from_image
-from vdoor.formats.reading import Request, check_size, shown
+from vdoor.formats.source import Request, check_size, shown
 from vdoor.grid import OccupancyGrid
 
 FORMATS = ("PNG", "BMP", "TIFF")

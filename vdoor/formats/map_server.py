@@ -16,7 +16,7 @@ import yaml
 from vdoor.errors import MapError
 from vdoor.formats import images
 from vdoor.formats.occupancy import Mode, Rule, cells_from_image
-from vdoor.formats.reading import (
+from vdoor.formats.source import (
     Request,
     agreed_resolution_m,
     base_name,

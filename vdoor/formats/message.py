@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vdoor.errors import MapError, RecordingError
-from vdoor.formats.reading import Request, agreed_resolution_m, check_size, check_values, checked_resolution_m, shown
+from vdoor.formats.source import Request, agreed_resolution_m, check_size, check_values, checked_resolution_m, shown
 from vdoor.grid import OccupancyGrid
 from vdoor.recording import ros
 

@@ -14,7 +14,7 @@ from numpy.lib import format as npy
 from numpy.typing import NDArray
 
 from vdoor.errors import MapError
-from vdoor.formats.reading import Request, check_size, check_values
+from vdoor.formats.source import Request, check_size, check_values
 from vdoor.grid import OccupancyGrid
 
 Shape = tuple[int, ...]

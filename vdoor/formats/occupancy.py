@@ -11,7 +11,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from vdoor.formats.reading import GREYS, Request
+from vdoor.formats.source import GREYS, Request
 from vdoor.grid import FREE, OCCUPIED, UNKNOWN
 
 Mode = Literal["trinary", "scale", "raw"]

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from vdoor.errors import MapError
 from vdoor.formats.occupancy import GreyImage
-from vdoor.formats.reading import check_size
+from vdoor.formats.source import check_size
 
 COMMENT = rb"#[^\r\n]*"
 GAP = rb"(?:\s|" + COMMENT + rb"[\r\n])+"

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from vdoor.formats.reading import Request, agreed_resolution_m, check_size, checked_resolution_m
+from vdoor.formats.source import Request, agreed_resolution_m, check_size, checked_resolution_m
 from vdoor.formats.valetudo_json import LAYERS, Home, Layer, home_of, is_valetudo, parse
 from vdoor.grid import FREE, OCCUPIED, UNKNOWN, Annotations, Line, OccupancyGrid, Point, Segment
 

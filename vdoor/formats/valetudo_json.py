@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vdoor.errors import MapError
-from vdoor.formats.reading import shown
+from vdoor.formats.source import shown
 
 T = TypeVar("T", dict[str, Any], list[Any])
 VERSIONS = (1, 2)

@@ -12,24 +12,25 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vdoor.baselines import ErodedSpace, GrownRooms, Narrows, Skeleton, VoronoiDoorsPipeline
+from vdoor.editing.apply import Edits
 from vdoor.emit import RunInfo
 from vdoor.errors import RecordingError
 from vdoor.grid import OccupancyGrid
-from vdoor.history.course import Course
+from vdoor.history.convergence import Course
+from vdoor.method.boundary import BoundaryPath
+from vdoor.method.corners import Candidates, Corners
+from vdoor.method.curvature import Curvature
+from vdoor.method.doors import VirtualDoors
+from vdoor.method.final_map import merged
+from vdoor.method.initial_map import InitialMap
+from vdoor.method.scoring.score import DoorScores
+from vdoor.method.search.certificate import Certificate
+from vdoor.method.search.costs import Cost, Term
+from vdoor.method.search.generation import Generation
+from vdoor.method.search.problem import MergeProblem
+from vdoor.method.simplify import SimplifiedGrid
 from vdoor.pipeline import RECORDS, AnyPipeline, Pipeline, recorded
 from vdoor.record import Record
-from vdoor.stages.certify import Certificate
-from vdoor.stages.corners import Candidates, Corners
-from vdoor.stages.cost import DoorEnergy, MapCost, MergeProblem
-from vdoor.stages.curvature import Curvature
-from vdoor.stages.doors import VirtualDoors
-from vdoor.stages.edit import Edits
-from vdoor.stages.merge import merged
-from vdoor.stages.rooms import InitialMap
-from vdoor.stages.score import DoorScores
-from vdoor.stages.search import Generation
-from vdoor.stages.simplify import SimplifiedGrid
-from vdoor.stages.trace import BoundaryPath
 from vdoor.topology import TopologicalMap
 
 R = TypeVar("R", bound=Record)
@@ -122,9 +123,13 @@ class History:
         return self.method
 
     @property
-    def cost(self) -> MapCost | DoorEnergy:
+    def cost(self) -> Cost:
         """What a choice of doors costs; `RecordingError` for a run without such a choice."""
         return self.method.cost if isinstance(self.method, VoronoiDoorsPipeline) else self.pipeline.cost
+
+    def terms(self, generation: int) -> tuple[Term, ...]:
+        """What the cost of a generation's best string is made of, with the weights for this map."""
+        return self.problem.terms(self.search[generation].removed)
 
     def add(self, step: int, record: Record) -> None:
         """Take one more record; `RecordingError` for a second one of a stage that has but one."""

@@ -1,10 +1,10 @@
 """A new map matched with an older one of the same place, so that rooms keep their ids and names.
 
 >>> import vdoor
->>> old = vdoor.run(vdoor.read_map("recordings/flat.yaml")).edited(["name 2.9,6.5 Kitchen", "number 2.9,6.5 7"])
+>>> old = vdoor.edited(vdoor.run(vdoor.read_map("recordings/flat.yaml")), ["name 2.9,6.5 Kitchen", "number 2.9,6.5 7"])
 >>> new = vdoor.run(vdoor.read_map("recordings/flat.yaml"))
 >>> match = vdoor.match(old, new)
->>> new.edited(match.edits).room_named("Kitchen").id
+>>> vdoor.edited(new, match.edits).room_named("Kitchen").id
 7
 """
 
@@ -12,6 +12,6 @@ from __future__ import annotations
 
 from vdoor.matching.align import Alignment, aligned
 from vdoor.matching.carry import Older, carried_over
-from vdoor.matching.rooms import Kept, Match, match
+from vdoor.matching.room_matching import Kept, Match, match
 
 __all__ = ["Alignment", "Kept", "Match", "Older", "aligned", "carried_over", "match"]

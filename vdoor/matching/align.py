@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy import ndimage
 from scipy.signal import fftconvolve
 
-from vdoor.places import Point
+from vdoor.editing.places import Point
 from vdoor.topology import TopologicalMap
 
 Floats = NDArray[np.float64]

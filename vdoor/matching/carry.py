@@ -9,15 +9,16 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from vdoor.api import prepared, run_prepared
 from vdoor.config import replaced
-from vdoor.edits import FORMS, MOST_ID, Edit
+from vdoor.editing.apply import DONE, NEEDLESS, VERDICTS, EditRooms, Edits
+from vdoor.editing.edits import FORMS, MOST_ID, Edit
 from vdoor.errors import SettingError
 from vdoor.grid import OccupancyGrid
 from vdoor.matching.align import aligned
-from vdoor.matching.rooms import Match, match
-from vdoor.pipeline import AnyPipeline, prepared, run_prepared
+from vdoor.matching.room_matching import Match, match
+from vdoor.pipeline import AnyPipeline
 from vdoor.record import Record
-from vdoor.stages.edit import DONE, NEEDLESS, VERDICTS, EditRooms, Edits
 from vdoor.topology import TopologicalMap
 
 R = TypeVar("R", bound=Record)

@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vdoor.errors import RecordingError
-from vdoor.record import Frame, Record, specs, tables
+from vdoor.frame import Frame
+from vdoor.record import Record, specs, tables
 from vdoor.recording import ros
 from vdoor.recording.rasters import check_range, frame_of
 

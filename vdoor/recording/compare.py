@@ -10,7 +10,8 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from vdoor.record import COLUMNS, RASTERS, Frame, Record, Spec, specs, tables
+from vdoor.frame import Frame
+from vdoor.record import COLUMNS, RASTERS, Record, Spec, specs, tables
 
 Scalar: TypeAlias = float | int | str
 Value: TypeAlias = Scalar | tuple[Scalar, ...]

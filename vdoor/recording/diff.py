@@ -8,12 +8,15 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from operator import itemgetter
 from typing import Any, TypeVar
 
-from vdoor.emit import RunInfo
+from vdoor.emit import Emit, RunInfo
+from vdoor.errors import RecordingError, VdoorError
 from vdoor.record import Record, specs
 from vdoor.recording import about
 from vdoor.recording.compare import Difference, Places, differences, places
+from vdoor.recording.mcap import Recording
 
 R = TypeVar("R", bound=Record)
 
@@ -206,3 +209,25 @@ def runs_that_differ(expected: RunInfo, found: RunInfo) -> list[Setting]:
 def _said(info: RunInfo) -> dict[str, Any]:
     source = {"sha256": about.digest(info.source), "options": json.dumps(info.source.options, sort_keys=True)}
     return {"map": source, "preset": info.preset, "seed": info.seed, **info.settings}
+
+
+Rerun = Callable[[Recording, Emit], object]
+"""Does a recorded run again and emits its records."""
+
+
+def verify(recording: Recording, rerun: Rerun, *, listen: Listener = ignore) -> Report:
+    """How a run done again compares with its recording, which is read as the run goes.
+
+    A run that is refused half way has stopped: that is a difference. Raises `RecordingError` where the recording is
+    damaged, and what `rerun` raises before its first record: then there is nothing to compare.
+    """
+    comparison = Comparison(map(itemgetter(1), recording), recording.types, listen=listen)
+    try:
+        rerun(recording, comparison)
+    except RecordingError:
+        raise
+    except VdoorError as error:
+        if comparison.records == 0:
+            raise
+        return comparison.finish(stopped=str(error))
+    return comparison.finish()

@@ -20,13 +20,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vdoor.emit import RunInfo
-from vdoor.errors import RecordingError
+from vdoor.errors import RecordingError, printable
 from vdoor.grid import OccupancyGrid
-from vdoor.hold import held_signals
+from vdoor.interrupts import held_signals
 from vdoor.record import Record
 from vdoor.recording import about, codec, ros, viewers
 from vdoor.recording.attached import Attached, attached
-from vdoor.recording.printable import printable
 
 if TYPE_CHECKING:
     from mcap.records import McapRecord, Message

@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vdoor.errors import RecordingError
-from vdoor.record import Frame, Record
+from vdoor.frame import Frame
+from vdoor.record import Record
 from vdoor.recording import ros
 
 Encodings = dict[str, tuple[str, int, int]]

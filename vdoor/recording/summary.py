@@ -10,7 +10,7 @@ from vdoor.emit import RunInfo
 from vdoor.recording import about
 from vdoor.recording.check import Health
 from vdoor.recording.diff import Setting
-from vdoor.recording.report import setting_line
+from vdoor.recording.diff_report import setting_line
 
 
 def run_table(run: RunInfo) -> dict[str, Any]:

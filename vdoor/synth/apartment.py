@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
+from vdoor.frame import Frame
 from vdoor.grid import FREE, OCCUPIED, OccupancyGrid
-from vdoor.record import Frame
 from vdoor.synth.furnish import furnish
 from vdoor.synth.made import SyntheticMap, TrueDoor
 from vdoor.synth.plan import Door, draw_plan

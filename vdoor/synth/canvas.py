@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vdoor.record import Frame
+from vdoor.frame import Frame
 from vdoor.synth.plan import Rect
 from vdoor.synth.settings import FINE_M
 

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from vdoor.frame import Frame
 from vdoor.grid import FREE, OCCUPIED, UNKNOWN
-from vdoor.record import Frame
 from vdoor.synth.plan import Plan, Rect
 from vdoor.synth.settings import FINE_M
 

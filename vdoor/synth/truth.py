@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
+from vdoor.frame import Frame
 from vdoor.grid import UNKNOWN, OccupancyGrid
-from vdoor.record import Frame
 from vdoor.synth.canvas import Placed, Rooms
 from vdoor.synth.home_settings import Home
 from vdoor.synth.layout import Opened

@@ -13,7 +13,7 @@ import yaml
 from PIL import Image
 
 from vdoor.files import make_folder, write_whole
-from vdoor.record import Frame
+from vdoor.frame import Frame
 from vdoor.synth.made import SyntheticMap, TrueDoor
 
 GREY_OCCUPIED, GREY_UNKNOWN, GREY_FREE = 0, 205, 254

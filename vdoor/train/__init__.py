@@ -7,11 +7,19 @@ from pathlib import Path
 from typing import Any
 
 from vdoor.files import write_whole
+from vdoor.method.scoring.model import DoorModel, table_of
 from vdoor.pipeline import PRESETS, Pipeline
-from vdoor.stages.door_model import DoorModel, table_of
-from vdoor.train.examples import Draw, Lesson, RealDoors, known, marked_real, real_doors, synthetic_lessons
+from vdoor.train.examples import (
+    Draw,
+    Lesson,
+    RealDoors,
+    known,
+    labelled_lessons,
+    marked_real,
+    real_doors,
+    synthetic_lessons,
+)
 from vdoor.train.fit import fitted_model, mean_of
-from vdoor.train.labelled import labelled_lessons
 
 __all__ = [
     "Draw", "Lesson", "RealDoors", "default_pipeline", "fitted_model", "known", "labelled_lessons", "marked_real",

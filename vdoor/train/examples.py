@@ -6,20 +6,22 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from vdoor.experiments import Choice, Trial, read_trials
+from vdoor.frame import Frame
 from vdoor.grid import FREE, OccupancyGrid
+from vdoor.method.doors import PROPOSED
+from vdoor.method.scoring.features import first_features
+from vdoor.method.scoring.model import Curves, Rough
+from vdoor.method.scoring.score import ScoreDoors, corners_per_m
+from vdoor.method.scoring.segments import Segments
+from vdoor.method.scoring.space_features import room_around
 from vdoor.pipeline import Pipeline
-from vdoor.record import Frame
-from vdoor.stages.door_model import Curves, Rough
-from vdoor.stages.doors import PROPOSED
-from vdoor.stages.features import first_features
-from vdoor.stages.score import ScoreDoors, corners_per_m
-from vdoor.stages.segments import Segments
-from vdoor.stages.space import room_around
 from vdoor.synth import Home, Office, SyntheticMap, synthesize
 
 Floats = NDArray[np.float64]
@@ -160,3 +162,18 @@ def judged(start_m: Floats, end_m: Floats, real: RealDoors) -> tuple[Floats, Flo
         away_m = np.hypot(*(middle_m[:, None] - real.middle_m[real.unsure][None]).transpose(2, 0, 1)).min(axis=1)
         weight[(away_m < UNSURE_M) & (label == 0)] = 0
     return label, weight
+
+
+def labelled_lessons(
+    maps: Path, reference: Path, *, weight: float = 1.0, bare: Path | None = None, resolution_m: float | None = None
+) -> list[Lesson]:
+    """Every map in a folder that a reference serves by its name; VdoorError where there is none."""
+    choice = Choice(reference=reference, bare=bare, resolution_m=resolution_m)
+    return [_of_trial(trial, weight) for trial in read_trials(maps, choice).trials]
+
+
+def _of_trial(trial: Trial, weight: float) -> Lesson:
+    """One map with the doors of its reference."""
+    doors, unsure, grid = trial.reference.doors, trial.reference.unsure, trial.division.grid
+    real = marked_real(doors.ends, doors.width_m, grid.frame, None if unsure is None else unsure.ends)
+    return Lesson(grid, real, weight)

@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize
 
 from vdoor.errors import VdoorError
+from vdoor.method.scoring.closed_features import SHUT
+from vdoor.method.scoring.features import FEATURES, FIRST
+from vdoor.method.scoring.model import Curve, Curves, DoorModel, Rough
 from vdoor.pipeline import Pipeline
-from vdoor.stages.door_model import Curve, Curves, DoorModel, Rough
-from vdoor.stages.features import FEATURES, FIRST
-from vdoor.stages.shut import SHUT
 from vdoor.train.examples import Draw, Examples, examples
 
 Floats = NDArray[np.float64]

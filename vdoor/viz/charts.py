@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from vdoor.trials.sweep import Point, by_setting
+from vdoor.experiments.sweep import Point, by_setting
 from vdoor.viz.matplot import drawing, to_png
 from vdoor.viz.panels import (
     NOTE,

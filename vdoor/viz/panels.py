@@ -8,9 +8,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from vdoor.trials.steps import Setting
-from vdoor.trials.sweep import Point, spread
-from vdoor.trials.sweep_report import value_text
+from vdoor.experiments.steps import Setting
+from vdoor.experiments.sweep import Point, spread
+from vdoor.experiments.sweep_report import value_text
 from vdoor.viz.rerun.style import Colour
 
 DARK: Colour = (38, 40, 46)

@@ -14,16 +14,15 @@ from typing import Any
 
 import numpy as np
 
-from vdoor.errors import VdoorError
-from vdoor.export.finite import refuse_not_finite
+from vdoor.errors import VdoorError, printable
+from vdoor.export.checks import refuse_not_finite
 from vdoor.export.geometry import line_m
 from vdoor.export.report.layers import layers
 from vdoor.export.report.sheet import Sheet, colour_text, polygon, polyline
 from vdoor.export.report.story import Story, value_text
-from vdoor.history.course import Course
+from vdoor.history.convergence import Course
 from vdoor.pipeline import Pipeline
 from vdoor.record import SCALARS, specs
-from vdoor.recording.printable import printable
 from vdoor.topology import TopologicalMap
 from vdoor.viz.rerun import style
 

@@ -11,14 +11,16 @@ from numpy.typing import NDArray
 from vdoor.errors import RecordingError
 from vdoor.export.report.sheet import Layer, Sheet, colour_text, polygon, polyline, room_codes
 from vdoor.export.report.story import Story
+from vdoor.frame import Frame
 from vdoor.grid import FREE_TO, OCCUPIED_FROM, OccupancyGrid
-from vdoor.record import RASTERS, Frame, Record, specs, tables
-from vdoor.stages.corners import Candidates, Corners
-from vdoor.stages.curvature import Curvature
-from vdoor.stages.doors import KINDS, PROPOSED, VERDICTS, VirtualDoors
-from vdoor.stages.rooms import InitialMap
-from vdoor.stages.simplify import REASONS, SimplifiedGrid
-from vdoor.stages.trace import BoundaryPath
+from vdoor.method.boundary import BoundaryPath
+from vdoor.method.corners import Candidates, Corners
+from vdoor.method.curvature import Curvature
+from vdoor.method.doors import PROPOSED, VERDICTS, VirtualDoors
+from vdoor.method.initial_map import InitialMap
+from vdoor.method.simplify import REASONS, SimplifiedGrid
+from vdoor.record import RASTERS, Record, specs, tables
+from vdoor.topology import KINDS
 from vdoor.viz.rerun import style
 from vdoor.viz.rerun.restrictions import restrictions
 

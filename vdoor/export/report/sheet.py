@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from PIL import Image
 from skimage.measure import block_reduce
 
-from vdoor.record import Frame
+from vdoor.frame import Frame
 from vdoor.viz.rerun import style
 
 Floats = NDArray[np.float64]

@@ -13,12 +13,13 @@ import numpy as np
 
 from vdoor.emit import RunInfo
 from vdoor.errors import RecordingError, VdoorError
-from vdoor.evaluate.reading import read_image
-from vdoor.formats.result import GREY_FREE, GREY_OCCUPIED
+from vdoor.evaluate.label_files import read_image
+from vdoor.frame import Frame
 from vdoor.grid import FREE, OCCUPIED, UNKNOWN, OccupancyGrid
-from vdoor.history.course import Course
-from vdoor.record import Frame, Record
-from vdoor.stages.search import Generation
+from vdoor.history.convergence import Course
+from vdoor.method.search.generation import Generation
+from vdoor.record import Record
+from vdoor.results.writing import GREY_FREE, GREY_OCCUPIED
 from vdoor.topology import TopologicalMap
 
 

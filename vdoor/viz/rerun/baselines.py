@@ -6,7 +6,7 @@ import numpy as np
 import rerun as rr
 
 from vdoor.baselines import ErodedSpace, GrownRooms, Narrows, Skeleton
-from vdoor.baselines.narrows import FATES, NARROW
+from vdoor.baselines.critical_lines import FATES, NARROW
 from vdoor.viz.rerun import style
 from vdoor.viz.rerun.scene import Scene, classes, pixels, strips
 

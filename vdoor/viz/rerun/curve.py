@@ -8,7 +8,7 @@ import numpy as np
 import rerun as rr
 from numpy.typing import NDArray
 
-from vdoor.stages.corners import Candidates
+from vdoor.method.corners import Candidates
 from vdoor.viz.rerun import style
 from vdoor.viz.rerun.scene import Scene
 

@@ -10,8 +10,9 @@ import rerun.blueprint as rrb
 
 from vdoor.emit import RunInfo
 from vdoor.files import partial_name
+from vdoor.frame import Frame
 from vdoor.grid import OccupancyGrid
-from vdoor.record import COLUMNS, RASTERS, Frame, Record, specs
+from vdoor.record import COLUMNS, RASTERS, Record, specs
 from vdoor.recording.compare import Difference, places, unequal
 from vdoor.recording.diff import Pair
 from vdoor.viz.rerun import style

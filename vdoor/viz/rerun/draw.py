@@ -9,26 +9,25 @@ import numpy as np
 import rerun as rr
 
 from vdoor.baselines import ErodedSpace, GrownRooms, Narrows, Skeleton
+from vdoor.editing.apply import Edits
 from vdoor.grid import OccupancyGrid
+from vdoor.method.boundary import BoundaryPath
+from vdoor.method.corners import Candidates, Corners
+from vdoor.method.curvature import Curvature
+from vdoor.method.doors import PROPOSED, VERDICTS, VirtualDoors
+from vdoor.method.initial_map import InitialMap
+from vdoor.method.scoring.score import DoorScores
+from vdoor.method.search.certificate import Certificate
+from vdoor.method.search.generation import Generation
+from vdoor.method.simplify import REASONS, SimplifiedGrid
 from vdoor.record import RASTERS, Record, specs, tables
-from vdoor.stages.certify import Certificate
-from vdoor.stages.corners import Candidates, Corners
-from vdoor.stages.curvature import Curvature
-from vdoor.stages.doors import PROPOSED, VERDICTS, VirtualDoors
-from vdoor.stages.edit import Edits
-from vdoor.stages.rooms import InitialMap
-from vdoor.stages.score import DoorScores
-from vdoor.stages.search import Generation
-from vdoor.stages.simplify import REASONS, SimplifiedGrid
-from vdoor.stages.trace import BoundaryPath
 from vdoor.topology import TopologicalMap
 from vdoor.viz.rerun import style
 from vdoor.viz.rerun.baselines import draw_eroded, draw_grown, draw_narrows, draw_skeleton
 from vdoor.viz.rerun.curve import draw_curve, draw_threshold
 from vdoor.viz.rerun.graphs import draw_edits, draw_generation, draw_initial, draw_map
 from vdoor.viz.rerun.restrictions import restrictions
-from vdoor.viz.rerun.rows import table
-from vdoor.viz.rerun.scene import Scene, classes, pixels, strips
+from vdoor.viz.rerun.scene import Scene, classes, pixels, strips, table
 from vdoor.viz.rerun.scores import draw_certificate, draw_scores
 
 MOST_PLACES = 20_000

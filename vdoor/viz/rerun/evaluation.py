@@ -13,13 +13,13 @@ from numpy.typing import NDArray
 from vdoor import __version__
 from vdoor.emit import RunInfo
 from vdoor.evaluate import Doors, Evaluation
-from vdoor.evaluate.report import fates
+from vdoor.evaluate.tables import fates
 from vdoor.grid import Source
 from vdoor.viz.rerun import style
 from vdoor.viz.rerun.draw import CELL_CLASSES, cell_classes
 from vdoor.viz.rerun.graphs import room_classes
 from vdoor.viz.rerun.scene import Scene, classes, pixels, strips
-from vdoor.viz.rerun.whole import whole_recording
+from vdoor.viz.rerun.sink import whole_recording
 
 TABS = ("Doors", "Rooms")
 HIT, MISSED, FALSE, EXCUSED = "hits", "missed", "false", "excused"

@@ -9,14 +9,13 @@ import numpy as np
 import rerun as rr
 from numpy.typing import NDArray
 
-from vdoor.edits import FORMS
-from vdoor.stages.edit import VERDICTS, Edits
-from vdoor.stages.rooms import InitialMap
-from vdoor.stages.search import Generation
+from vdoor.editing.apply import VERDICTS, Edits
+from vdoor.editing.edits import FORMS
+from vdoor.method.initial_map import InitialMap
+from vdoor.method.search.generation import Generation
 from vdoor.topology import TopologicalMap
 from vdoor.viz.rerun import style
-from vdoor.viz.rerun.rows import table
-from vdoor.viz.rerun.scene import Scene, classes, pixels, strips
+from vdoor.viz.rerun.scene import Scene, classes, pixels, strips, table
 
 TERMS = {"small_rooms": "NumSmallNode", "area_sd_m2": "AreaSD, m2", "tilt_sd_deg": "DegSD, degrees"}
 MOST_IN_A_BYTE = 255

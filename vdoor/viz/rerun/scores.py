@@ -7,12 +7,11 @@ from typing import Any
 import numpy as np
 import rerun as rr
 
-from vdoor.stages.certify import Certificate
-from vdoor.stages.features import FEATURES
-from vdoor.stages.score import JUDGEMENTS, LIKELY, DoorScores
+from vdoor.method.scoring.features import FEATURES
+from vdoor.method.scoring.score import JUDGEMENTS, LIKELY, DoorScores
+from vdoor.method.search.certificate import Certificate
 from vdoor.viz.rerun import style
-from vdoor.viz.rerun.rows import table
-from vdoor.viz.rerun.scene import Scene, strips
+from vdoor.viz.rerun.scene import Scene, strips, table
 
 
 def draw_scores(scene: Scene, scores: DoorScores) -> None:

@@ -15,11 +15,12 @@ from urllib.parse import urlsplit
 
 import numpy as np
 import rerun as rr
+import rerun.blueprint as rrb
 
 from vdoor.emit import RunInfo
-from vdoor.errors import VdoorError
+from vdoor.errors import VdoorError, say
+from vdoor.files import partial_name
 from vdoor.record import Record
-from vdoor.say import say
 from vdoor.viz.rerun.blueprint import blueprint, description
 from vdoor.viz.rerun.draw import DRAW, draw_any
 from vdoor.viz.rerun.program import HOST, end, free_port, listening, start, wait_until_listening
@@ -200,3 +201,22 @@ def start_viewer(*words: str, port: int) -> subprocess.Popen[bytes]:
             "viewer: the program `rerun` did not start; without a screen use --save, or --serve and a browser"
         )
     return process
+
+
+@contextmanager
+def whole_recording(path: Path, info: RunInfo, blueprint: rrb.Blueprint) -> Iterator[Scene]:
+    """Where to draw; the file is there when the block ends. VdoorError where it cannot be written."""
+    partial = partial_name(path)
+    stream = new_stream(info)
+    try:
+        with errors_at(path):
+            partial.touch()
+            stream.save(partial, default_blueprint=blueprint)
+            yield Scene(stream)
+            stream.flush(timeout_sec=FLUSH_S)
+            stream.disconnect()
+            if not partial.stat().st_size:
+                raise VdoorError(f"recording: nothing was written, wanted a Rerun recording: {path}")
+            partial.replace(path)
+    finally:
+        partial.unlink(missing_ok=True)

@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 from vdoor import __version__
 from vdoor.emit import RunInfo
-from vdoor.trials.steps import Setting
-from vdoor.trials.sweep import Point, by_setting
-from vdoor.trials.sweep_report import COUNTS, SHARES, STAGES, row
+from vdoor.experiments.steps import Setting
+from vdoor.experiments.sweep import Point, by_setting
+from vdoor.experiments.sweep_report import COUNTS, SHARES, STAGES, row
 from vdoor.viz.panels import (
     NOTE,
     PANELS,
@@ -31,7 +31,7 @@ from vdoor.viz.panels import (
 )
 from vdoor.viz.rerun import style
 from vdoor.viz.rerun.scene import Scene, classes
-from vdoor.viz.rerun.whole import whole_recording
+from vdoor.viz.rerun.sink import whole_recording
 
 WIDTH, HEIGHT = 480, 280
 """Of a chart in pixels of its picture, without what stands around it."""

@@ -6,17 +6,16 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
+from vdoor.explain.corners import sample_fate
+from vdoor.explain.doors import door_fate
+from vdoor.explain.text import decision, door_lines
 from vdoor.history import SEARCH, History
-from vdoor.history.terms import terms_of
-from vdoor.stages.corners import Corners
-from vdoor.stages.doors import VERDICTS
-from vdoor.stages.trace import HEADINGS
+from vdoor.method.boundary import HEADINGS
+from vdoor.method.corners import Corners
+from vdoor.method.doors import VERDICTS
 from vdoor.viz.terminal.show import summary
 from vdoor.viz.terminal.tables import flips, string
 from vdoor.viz.terminal.walk import Walk
-from vdoor.why.bends import sample_fate
-from vdoor.why.doors import door_fate
-from vdoor.why.text import decision, door_lines
 
 Facts = Iterator[tuple[str, str]]
 
@@ -106,7 +105,7 @@ def _generation(run: History, walk: Walk) -> Facts:
     yield "best cost", f"{found.best_cost:.6f}"
     yield "mean", f"{found.mean_cost:.6f}"
     yield "worst", f"{found.worst_cost:.6f}"
-    for term in terms_of(run, walk.generation):
+    for term in run.terms(walk.generation):
         value = str(term.value) if isinstance(term.value, int) else f"{term.value:.6f}"
         yield term.name, f"{value} {term.unit}".strip() + f" x {term.weight:g} = {term.cost:.6f}"
     yield "doors", f"{int((~found.removed).sum())} kept, {int(found.removed.sum())} removed"

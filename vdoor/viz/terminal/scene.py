@@ -7,13 +7,13 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from vdoor.baselines.narrows import NARROW
+from vdoor.baselines.critical_lines import NARROW
 from vdoor.grid import FREE, OCCUPIED, UNKNOWN
 from vdoor.history import History
-from vdoor.stages.corners import Corners
-from vdoor.stages.doors import PROPOSED
-from vdoor.stages.score import JUDGEMENTS, LIKELY
-from vdoor.stages.simplify import REASONS
+from vdoor.method.corners import Corners
+from vdoor.method.doors import PROPOSED
+from vdoor.method.scoring.score import JUDGEMENTS, LIKELY
+from vdoor.method.simplify import REASONS
 from vdoor.viz.terminal.canvas import Canvas
 from vdoor.viz.terminal.plot import Curve, Plot
 

@@ -9,16 +9,16 @@ from numpy.typing import NDArray
 from rich.console import RenderableType
 from rich.text import Text
 
-from vdoor.baselines.narrows import FATES
+from vdoor.baselines.critical_lines import FATES
+from vdoor.editing.apply import VERDICTS as EDIT_VERDICTS
+from vdoor.explain.text import percent
 from vdoor.history import SEARCH, History
-from vdoor.stages.doors import VERDICTS
-from vdoor.stages.edit import VERDICTS as EDIT_VERDICTS
-from vdoor.stages.score import JUDGEMENTS
-from vdoor.stages.simplify import REASONS
+from vdoor.method.doors import VERDICTS
+from vdoor.method.scoring.score import JUDGEMENTS
+from vdoor.method.simplify import REASONS
 from vdoor.viz.terminal.picture import Picture
 from vdoor.viz.terminal.scene import drawn
 from vdoor.viz.terminal.tables import DETAILS, Limits, table
-from vdoor.why.text import percent
 
 TITLES = {
     "input": "the map as read",

@@ -12,17 +12,17 @@ from rich.console import RenderableType
 from rich.table import Table
 from rich.text import Text
 
-from vdoor.edits import FORMS
+from vdoor.editing.apply import DONE, NEEDLESS
+from vdoor.editing.apply import VERDICTS as EDIT_VERDICTS
+from vdoor.editing.edits import FORMS
+from vdoor.editing.places import place_text
+from vdoor.explain.scores import score_fate
 from vdoor.history import History
-from vdoor.history.terms import terms_of
-from vdoor.places import place_text
-from vdoor.stages.doors import KINDS, PROPOSED, VERDICTS, VirtualDoors
-from vdoor.stages.edit import DONE, NEEDLESS
-from vdoor.stages.edit import VERDICTS as EDIT_VERDICTS
-from vdoor.stages.rooms import InitialMap
-from vdoor.stages.simplify import REASONS
+from vdoor.method.doors import PROPOSED, VERDICTS, VirtualDoors
+from vdoor.method.initial_map import InitialMap
+from vdoor.method.simplify import REASONS
+from vdoor.topology import KINDS
 from vdoor.viz.terminal.scene import cost_plot, curvature_plot
-from vdoor.why.scores import score_fate
 
 COURSE = ("generation", "evaluations", "best", "mean", "worst", "small", "AreaSD m2", "DegSD deg", "kept", "changes")
 
@@ -204,7 +204,7 @@ def terms(run: History, generation: int) -> Text:
     """The cost of the best string of one generation, with its numbers in."""
     found = run.search[generation]
     text = Text(f"generation {found.number}: cost {found.best_cost:.6f} =", style="bold")
-    for at, term in enumerate(terms_of(run, generation)):
+    for at, term in enumerate(run.terms(generation)):
         sign = "- " if term.weight < 0 else "+ " if at else ""
         text.append(f" {sign}{abs(term.weight):g} x {term.value:.6g} {f'{term.unit} {term.name}'.strip()}", "not bold")
     return text

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vdoor.history import SEARCH, History
-from vdoor.stages.doors import PROPOSED
+from vdoor.method.doors import PROPOSED
 
 Ints = NDArray[np.int64]
 

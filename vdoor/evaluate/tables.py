@@ -1,0 +1,137 @@
+"""What an evaluation found, as text and as JSON."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+import numpy as np
+
+from vdoor.errors import SettingError
+from vdoor.evaluate.cases import Cases
+from vdoor.evaluate.door_matching import TOLERANCES_M
+from vdoor.evaluate.door_places import Doors
+from vdoor.evaluate.evaluation import Evaluation, means, pooled
+from vdoor.frame import Frame
+
+COLUMNS = {
+    "rooms": "rooms_found",
+    "of": "rooms_true",
+    "iou": "iou",
+    "iou_sym": "iou_sym",
+    "mcc": "mcc",
+    "recall": "room_recall",
+    "prec": "room_precision",
+    "doors": "doors_found",
+    "of ": "doors_true",
+    "door P": "door_precision",
+    "door R": "door_recall",
+    "door F1": "door_f1",
+    "narrow": "narrow_recall",
+    "F1 1 m": "door_f1_1m",
+}
+"""Heads of the table and the figure below each."""
+
+
+def summary(evaluations: Sequence[Evaluation]) -> dict[str, float]:
+    """Means over the maps, and the doors of all maps together."""
+    return means(evaluations) | pooled(evaluations)
+
+
+def lines(evaluations: Sequence[Evaluation]) -> Iterator[str]:
+    """The table; for a single map also the doors that are not hits."""
+    yield from table(evaluations)
+    if len(evaluations) == 1:
+        yield from door_lines(evaluations[0])
+
+
+def lonely(cases: Cases) -> Iterator[tuple[str, str]]:
+    """Name of each result without a reference and, where there are several, the other way round; what is missing."""
+    yield from ((name, "reference") for name in cases.without_reference)
+    yield from ((name, "result") for name in cases.without_result if len(cases.cases) > 1)
+
+
+def table(evaluations: Sequence[Evaluation]) -> Iterator[str]:
+    """One line a map, and below several of them their mean and the doors of all together."""
+    rows = {evaluation.name: evaluation.figures() for evaluation in evaluations}
+    if len(rows) > 1:
+        rows["mean"] = means(evaluations)
+        rows["all doors"] = {name.removeprefix("pooled_"): value for name, value in pooled(evaluations).items()}
+    width = max(map(len, rows))
+    yield f"{'map':{width}s}  " + " ".join(f"{head.strip():>7s}" for head in COLUMNS)
+    for name, figures in rows.items():
+        yield f"{name:{width}s}  " + " ".join(f"{_shown(figures.get(key)):>7s}" for key in COLUMNS.values())
+
+
+def _shown(value: float | None) -> str:
+    if value is None:
+        return "-"
+    return str(value) if isinstance(value, int) else f"{value:.3f}"
+
+
+def door_lines(evaluation: Evaluation) -> Iterator[str]:
+    """A line for each door that was missed or is none, with its place in the map frame."""
+    for fate, doors in fates(evaluation).items():
+        if fate != "hits":
+            for door in _places(doors, evaluation.division.frame):
+                yield f"{fate:8s} {door['x_m']:8.2f},{door['y_m']:.2f}  {door['width_m']:.2f} m wide"
+
+
+def fates(evaluation: Evaluation) -> dict[str, Doors]:
+    """Doors by what became of them at the smaller tolerance; hits where they were found."""
+    match = evaluation.matches[TOLERANCES_M[0]]
+    return {
+        "hits": evaluation.doors[match.hit_found],
+        "missed": evaluation.reference.doors[match.missed],
+        "false": evaluation.doors[match.false],
+        "excused": evaluation.doors[match.excused],
+    }
+
+
+def document(evaluations: Sequence[Evaluation], cases: Cases) -> dict[str, Any]:
+    """Everything, as it goes into JSON."""
+    return {
+        "schema": 1,
+        "maps": [_map(evaluation) for evaluation in evaluations],
+        "summary": summary(evaluations),
+        "without_reference": cases.without_reference,
+        "without_result": cases.without_result,
+    }
+
+
+def _map(evaluation: Evaluation) -> dict[str, Any]:
+    frame = evaluation.division.frame
+    pairs = [] if evaluation.rooms is None else zip(
+        evaluation.rooms.pairs.tolist(), evaluation.rooms.pair_iou.tolist(), strict=True
+    )  # fmt: skip
+    return {
+        "name": evaluation.name,
+        "reference": str(evaluation.reference.path),
+        "figures": evaluation.figures(),
+        "doors": {fate: _places(doors, frame) for fate, doors in fates(evaluation).items()},
+        "room_pairs": [{"true": true, "found": found, "iou": iou} for (true, found), iou in pairs],
+    }
+
+
+def _places(doors: Doors, frame: Frame) -> list[dict[str, float]]:
+    """Middle of each door in the map frame, and its width."""
+    right_down = doors.centre_m / frame.resolution_m - 0.5
+    points_m = frame.world_from_cell(right_down[:, ::-1])
+    rows = np.column_stack([points_m, doors.width_m]).round(6).tolist()
+    return [{"x_m": x_m, "y_m": y_m, "width_m": width_m} for x_m, y_m, width_m in rows]
+
+
+def shortfalls(figures: dict[str, float], wanted: Sequence[str]) -> list[str]:
+    """A sentence for each figure below what was wanted, as in `door_f1=0.9`; `SettingError` where there is no such."""
+    short = []
+    for text in wanted:
+        name, _, least = text.partition("=")
+        if name not in figures:
+            raise SettingError(f"--min: wanted a figure of {', '.join(figures)}, found {name!r}")
+        try:
+            limit = float(least)
+        except ValueError:
+            raise SettingError(f"--min: wanted {name}=NUMBER, found {text!r}") from None
+        if not figures[name] >= limit:
+            short.append(f"{name}: wanted at least {limit:g}, found {figures[name]:.4f}")
+    return short

@@ -1,0 +1,134 @@
+"""CPU seconds of the method alone, stage by stage, and what recording adds."""
+
+from __future__ import annotations
+
+import json
+import resource
+import tempfile
+import time
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+import numpy as np
+
+from vdoor.api import prepared
+from vdoor.emit import Emit, Recorder, RunInfo, Stopwatch, silent
+from vdoor.grid import FREE, UNKNOWN, OccupancyGrid
+from vdoor.method.simplify import SimplifyGrid
+from vdoor.outputs import Outputs, opened
+from vdoor.pipeline import AnyPipeline
+from vdoor.synth import PRESETS, synthesize
+
+LANE_M = 1.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Report:
+    """One map's figures; imports and reading the map are not in them."""
+
+    name: str
+    cells: tuple[int, int]
+    rooms: int
+    doors: int
+    stages_s: Mapping[str, float]
+    total_s: float
+    peak_mb: float
+    """Of the process so far."""
+    recording_adds: float | None
+    """CPU of both recordings as a share of the method's."""
+
+    def to_json(self) -> str:
+        """All figures as one line of JSON."""
+        return json.dumps(asdict(self))
+
+    def to_text(self) -> str:
+        """All figures as a small table."""
+        lines = [f"{self.name}: {self.cells[1]} x {self.cells[0]} cells, {self.rooms} rooms, {self.doors} doors"]
+        lines += [f"  {stage:12s} {seconds:8.3f} s" for stage, seconds in self.stages_s.items()]
+        lines.append(f"  {'total':12s} {self.total_s:8.3f} s CPU, peak {self.peak_mb:.0f} MB")
+        if self.recording_adds is not None:
+            lines.append(f"  recording to .rrd and .mcap adds {self.recording_adds:.0%}")
+        return "\n".join(lines)
+
+
+def measured(grids: Mapping[str, OccupancyGrid], pipeline: AnyPipeline, *, tile: int, record: bool) -> Iterator[Report]:
+    """Run each map once, after a small one that warms up the libraries."""
+    for grid in own_maps().values():
+        pipeline(grid, np.random.default_rng(0), silent)
+    for name, single in grids.items():
+        grid = tiled(single, tile)
+        there = prepared(pipeline, grid).pipeline
+        watch = Stopwatch(silent)
+        start_s = time.process_time()
+        topology = there(grid, np.random.default_rng(0), watch)
+        total_s = time.process_time() - start_s
+        peak_mb = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+        adds = (recorded_s(grid, there) - total_s) / total_s if record else None
+        yield Report(
+            name=name,
+            cells=(grid.frame.height, grid.frame.width),
+            rooms=len(topology.area_m2),
+            doors=len(topology.kind),
+            stages_s=watch.cpu_s,
+            total_s=total_s,
+            peak_mb=peak_mb,
+            recording_adds=adds,
+        )
+
+
+def recorded_s(grid: OccupancyGrid, pipeline: AnyPipeline) -> float:
+    """CPU seconds of the same run with both recordings; opening the files, with its imports, is left out."""
+    info = RunInfo(version="", preset="bench", seed=0, settings={}, source=grid.source)
+    with tempfile.TemporaryDirectory() as folder:
+        outputs = Outputs(save=Path(folder) / "bench.rrd", mcap=Path(folder) / "bench.mcap")
+        with opened(outputs, info) as recording:
+            emit: Emit = Recorder(recording.sinks)
+            start_s = time.process_time()
+            pipeline(grid, np.random.default_rng(0), emit)
+        return time.process_time() - start_s
+
+
+def own_maps() -> dict[str, OccupancyGrid]:
+    """A synthetic apartment at 5 cm."""
+    return {"synthetic apartment, seed 0": synthesize(PRESETS["paper-5cm"], np.random.default_rng(0)).grid}
+
+
+def tiled(grid: OccupancyGrid, count: int) -> OccupancyGrid:
+    """The map `count` x `count` times, joined by lanes from each one's reachable space to the next one's."""
+    if count == 1:
+        return grid
+    reachable = np.argwhere(SimplifyGrid(cell_m=0.0)(grid).cells == FREE)
+    lane = max(1, round(LANE_M / grid.frame.resolution_m))
+    height, width = (side + lane for side in grid.cells.shape)
+    cells = np.full((height * count, width * count), UNKNOWN, np.int8)
+    for row, col in np.ndindex(count, count):
+        cells[row * height : row * height + height - lane, col * width : col * width + width - lane] = grid.cells
+    top, bottom = reachable[0], reachable[-1]
+    left, right = reachable[reachable[:, 1].argmin()], reachable[reachable[:, 1].argmax()]
+    for row, col in np.ndindex(count, count):
+        corner = np.array([row * height, col * width])
+        if col + 1 < count:
+            _lane(cells, corner + right, corner + left + [0, width], lane, turn=(row * height, corner[1] + width))
+        if row + 1 < count:
+            _lane(
+                cells.T,
+                (corner + bottom)[::-1],
+                (corner + top + [height, 0])[::-1],
+                lane,
+                turn=(col * width, corner[0] + height),
+            )
+    return OccupancyGrid.from_array(cells, grid.frame.resolution_m)
+
+
+def _lane(cells: np.ndarray, start: np.ndarray, end: np.ndarray, lane: int, *, turn: tuple[int, int]) -> None:
+    """Free a lane that leaves `start` to the right, turns in the gap before column `turn[1]`, and enters at `end`."""
+    first, last = turn[1] - lane, turn[1]
+
+    def across(row: int) -> slice:
+        return slice(max(turn[0], row - lane // 2), row - lane // 2 + lane)
+
+    cells[across(start[0]), start[1] : last] = FREE
+    cells[across(end[0]), first : end[1] + 1] = FREE
+    low, high = sorted((int(start[0]), int(end[0])))
+    cells[across(low).start : across(high).stop, first:last] = FREE

@@ -1,0 +1,70 @@
+"""How well the method does on the same maps changed."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vdoor.evaluate import Doors
+from vdoor.experiments.cases import Trial
+from vdoor.experiments.changes import CHANGES, Change, Sheet
+from vdoor.experiments.measure import Row, measured, summarised, warm_up
+from vdoor.frame import Frame
+from vdoor.pipeline import AnyPipeline
+
+DIFFERENCE = "door_f1_difference"
+
+
+def robustness(
+    trials: Sequence[Trial],
+    pipeline: AnyPipeline,
+    *,
+    changes: Sequence[Change] = CHANGES,
+    seed: int = 0,
+) -> Iterator[Row]:
+    """A row for each change, with what it adds to the first one's mean door F1."""
+    warm_up(trials, pipeline)
+    first: float | None = None
+    for change in changes:
+        row = summarised(
+            change.name,
+            (measured(changed(trial, change, np.random.default_rng(seed)), pipeline, seed=seed) for trial in trials),
+        )
+        first = row.figures["door_f1"] if first is None else first
+        yield dataclasses.replace(row, figures=row.figures | {DIFFERENCE: row.figures["door_f1"] - first})
+
+
+def changed(trial: Trial, change: Change, rng: np.random.Generator) -> Trial:
+    """The trial on the changed map: the true doors, and the unsure ones, where they lie there; rooms are left out."""
+    division, reference = trial.division, trial.reference
+    sheet = change.make(Sheet(division.grid, division.free), rng)
+    old, new = division.frame, sheet.grid.frame
+    return Trial(
+        name=trial.name,
+        division=dataclasses.replace(
+            division, grid=sheet.grid, free=sheet.free, rooms=np.zeros(sheet.free.shape, np.int32)
+        ),
+        reference=dataclasses.replace(
+            reference,
+            rooms=None,
+            doors=moved(reference.doors, old, new),
+            unsure=None if reference.unsure is None else moved(reference.unsure, old, new),
+        ),
+    )
+
+
+def moved(doors: Doors, old: Frame, new: Frame) -> Doors:
+    """The same doors of the map in another frame of it; their widths stay."""
+
+    def cells(points: NDArray[np.float64]) -> NDArray[np.float64]:
+        return new.cell_from_world(old.world_from_cell(points))
+
+    centre = cells((doors.centre_m / old.resolution_m - 0.5)[:, ::-1])
+    return Doors(
+        centre_m=(centre[:, ::-1] + 0.5) * new.resolution_m,
+        width_m=doors.width_m,
+        ends=cells(doors.ends.reshape(-1, 2)).reshape(-1, 2, 2),
+    )

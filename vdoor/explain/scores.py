@@ -1,0 +1,146 @@
+"""What speaks for and against a virtual door: its score, the features behind it, the doors that stood against it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vdoor.errors import SettingError
+from vdoor.history import History
+from vdoor.method.scoring.features import FEATURES
+from vdoor.method.scoring.model import DoorModel, model_named
+from vdoor.method.scoring.score import JUDGEMENTS, DoorScores, ScoreDoors
+
+MOST_REASONS = 3
+SAME_LOG_ODDS = 1e-6
+"""Curves that give another sum than the recorded one are not those that the run used."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Reason:
+    """One feature of a door, and what it says."""
+
+    feature: str
+    value: float
+    log_odds: float
+    """Above 0 it speaks for a door."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Rival:
+    """Another likely door, of which at most one of the two can be real."""
+
+    door: int
+    log_odds: float
+    kept: bool | None
+    """By the search; None where that was not recorded, or it borders fewer than two regions."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ScoreFate:
+    """What was said of one door."""
+
+    log_odds: float
+    judgement: str
+    """likely, unlikely or outdone; the search decides among the likely ones."""
+    least_log_odds: float
+    """Doors below it are unlikely."""
+    share_rough: float
+    """How much the curves for ragged maps count, 0 to 1."""
+    sure: bool = False
+    """So likely at the first look that it was shut while the others were looked at again."""
+    outdone_by: int = -1
+    """The likeliest door at nearly the same place."""
+    outdone_by_log_odds: float = 0.0
+    bias: float | None = None
+    """Log-odds of a door of which nothing is known; None where the curves that the run used are not to be had."""
+    reasons_for: tuple[Reason, ...] = ()
+    """The features that speak most for it, the loudest first."""
+    reasons_against: tuple[Reason, ...] = ()
+    rivals: tuple[Rival, ...] = ()
+    """The likeliest first."""
+
+
+def score_fate(run: History, door: int) -> ScoreFate | None:
+    """What was said of a virtual door; None where nothing was."""
+    if not run.has(DoorScores):
+        return None
+    scores, settings = run.scores, run.pipeline.score
+    row = int(np.searchsorted(scores.door, door))
+    if row == len(scores.door) or scores.door[row] != door or not isinstance(settings, ScoreDoors):
+        return None
+    judgement = JUDGEMENTS[scores.judgement[row]]
+    better = outdone_by(run, row, settings.same_place_m) if judgement == "outdone" else -1
+    bias, reasons = reasons_of(scores, row, model=settings.model)
+    return ScoreFate(
+        log_odds=float(scores.log_odds[row]),
+        judgement=judgement,
+        least_log_odds=settings.least_log_odds,
+        share_rough=scores.share_rough,
+        sure=bool(scores.sure[row]),
+        outdone_by=int(scores.door[better]) if better >= 0 else -1,
+        outdone_by_log_odds=float(scores.log_odds[better]) if better >= 0 else 0.0,
+        bias=bias,
+        reasons_for=tuple(reason for reason in reasons[:MOST_REASONS] if reason.log_odds > 0),
+        reasons_against=tuple(reason for reason in reasons[: -MOST_REASONS - 1 : -1] if reason.log_odds < 0),
+        rivals=rivals_of(run, row),
+    )
+
+
+def reasons_of(scores: DoorScores, row: int, *, model: str) -> tuple[float | None, list[Reason]]:
+    """The bias, and all features of a scored door, from the loudest for it to the loudest against it."""
+    curves = model_used(scores, row, model=model)
+    if curves is None:
+        return None, []
+    says = curves.last.says(scores.feature[[row]], scores.share_rough)[0]
+    reasons = [
+        Reason(feature=name, value=float(scores.feature[row, at]), log_odds=float(says[at]))
+        for at, name in enumerate(FEATURES)
+    ]
+    return curves.last.bias(scores.share_rough), sorted(reasons, key=lambda reason: -reason.log_odds)
+
+
+def model_used(scores: DoorScores, row: int, *, model: str) -> DoorModel | None:
+    """The curves by which a door was scored; None where they are gone, or say something else by now."""
+    try:
+        curves = model_named(model)
+    except SettingError:
+        return None
+    again = curves.last.log_odds(scores.feature[[row]], scores.share_rough)[0]
+    return curves if abs(again - scores.log_odds[row]) <= SAME_LOG_ODDS else None
+
+
+def outdone_by(run: History, row: int, near_m: float) -> int:
+    """The likeliest of the likelier scored doors whose middle is near that of this one; -1 where there is none."""
+    scores = run.scores
+    middle = middles(run)
+    away = np.hypot(*(middle - middle[row]).T)
+    near = np.flatnonzero((away <= near_m / scores.frame.resolution_m) & (scores.log_odds > scores.log_odds[row]))
+    return int(near[np.argmax(scores.log_odds[near])]) if len(near) else -1
+
+
+def middles(run: History) -> NDArray[np.float64]:
+    """Middle (scored, 2) of each scored door, as row, col of working cells."""
+    doors = run.scores.door
+    return np.asarray((run.doors.start[doors] + run.doors.end[doors]) / 2)
+
+
+def rivals_of(run: History, row: int) -> tuple[Rival, ...]:
+    """The doors that exclude a scored one, the likeliest first."""
+    scores = run.scores
+    others = np.concatenate([scores.rival_b[scores.rival_a == row], scores.rival_a[scores.rival_b == row]])
+    others = np.sort(others)
+    order = others[np.argsort(-scores.log_odds[others].round(9), kind="stable")]
+    doors = scores.door[order].tolist()
+    return tuple(
+        Rival(door=door, log_odds=log_odds, kept=kept(run, door))
+        for door, log_odds in zip(doors, scores.log_odds[order].tolist(), strict=True)
+    )
+
+
+def kept(run: History, door: int) -> bool | None:
+    """Whether the search kept a virtual door; None where it never had it, or was not recorded."""
+    edge = run.edge_of_door.get(door) if len(run.search) else None
+    return None if edge is None else not run.search[-1].removed[edge]

@@ -1,0 +1,206 @@
+"""Section II.C: virtual doors, wherever a corner faces another one or a wall nearby."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Annotated, Any, ClassVar, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from vdoor.config import Within
+from vdoor.frame import Frame
+from vdoor.grid import FREE
+from vdoor.method.boundary import BoundaryPath
+from vdoor.method.corners import Corners, gaps_m
+from vdoor.method.curvature import EPSILON
+from vdoor.method.simplify import SimplifiedGrid
+from vdoor.raster.lines import lines_between
+from vdoor.record import Record, Spec
+from vdoor.topology import KINDS
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int32]
+Mask = NDArray[np.bool_]
+
+VERDICTS = ("proposed", "blocked", "same wall", "no gap", "duplicate", "too narrow")
+PROPOSED = VERDICTS.index("proposed")
+
+
+class VirtualDoors(Record):
+    """Segments between obstacle cells that may be doors; the rejected ones say why."""
+
+    topic: ClassVar[str] = "doors"
+
+    start: Annotated[NDArray[np.int32], Spec("cell", "door 2")]
+    """The convex corner's obstacle cell."""
+    end: Annotated[NDArray[np.int32], Spec("column", "door 2", unit="cells")]
+    """The other corner's, or the closest boundary's."""
+    kind: Annotated[NDArray[np.uint8], Spec("code", "door", words=KINDS)]
+    verdict: Annotated[NDArray[np.uint8], Spec("code", "door", words=VERDICTS)]
+    corner_start: Annotated[NDArray[np.int32], Spec("column", "door")]
+    corner_end: Annotated[NDArray[np.int32], Spec("column", "door")]
+    """The other corner, -1 where the door ends on a plain boundary."""
+    length_m: Annotated[NDArray[np.float64], Spec("column", "door", unit="m", tolerance=1e-9)]
+    """Between the end cells' centres; what the paper's 1.2 m limits."""
+    width_m: Annotated[NDArray[np.float64], Spec("column", "door", unit="m", tolerance=1e-9)]
+    """The free gap between the end cells."""
+    tilt_rad: Annotated[NDArray[np.float64], Spec("column", "door", unit="rad", tolerance=1e-9)]
+    """Angle to the nearer of the grid's axes, 0 to pi/4."""
+    line_cell: Annotated[NDArray[np.int32], Spec("cell", "line 2")]
+    """The free cells that proposed doors lie on, 8-connected, door after door."""
+    line_door: Annotated[NDArray[np.int32], Spec("column", "line")]
+    frame: Frame
+
+
+@dataclass(frozen=True, kw_only=True)
+class ProposeDoors:
+    """Join convex corners that face each other, and single ones to the closest boundary."""
+
+    max_length_m: Annotated[float, Within(0, 20)] = 1.2
+    """Longest door, between the centres of its end cells."""
+    pair_detour: Annotated[float, Within(0, 100)] = 1.5
+    """Two corners of one contour make a door only if the path between them is so many times longer than the door."""
+    single_detour: Annotated[float, Within(0, 100)] = 3.0
+    """The same for a corner and a boundary."""
+
+    def __call__(self, simplified: SimplifiedGrid, path: BoundaryPath, corners: Corners) -> VirtualDoors:
+        """Pairs first, then single corners, each sorted; crossing doors stay, equal ones are kept once."""
+        free = simplified.cells == FREE
+        convex = np.flatnonzero(corners.convex).astype(np.int32)
+        pairs = self._pairs(free, path, corners, convex)
+        paired = np.unique(pairs.corners[pairs.verdict == PROPOSED])
+        single = self._singles(free, path, corners, np.setdiff1d(convex, paired))
+        found = pairs.followed_by(single)
+        return measured(free, found, path.frame)
+
+    def _pairs(self, free: Mask, path: BoundaryPath, corners: Corners, convex: Ints) -> Found:
+        """All pairs of convex corners within reach, each with its verdict."""
+        both = pairs_within(corners, convex, self._reach(path))
+        start, end = corners.cell[both[:, 0]], corners.cell[both[:, 1]]
+        verdict = np.full(len(both), PROPOSED, np.uint8)
+        clear, _, _ = lines_between(free, start, end)
+        verdict[~clear] = VERDICTS.index("blocked")
+        same = same_wall(path, corners.sample[both[:, 0]], corners.sample[both[:, 1]], self.pair_detour)
+        verdict[same] = VERDICTS.index("same wall")
+        verdict[np.abs(end - start).max(axis=1, initial=0) <= 1] = VERDICTS.index("no gap")
+        return Found(start, end, np.zeros(len(both), np.uint8), verdict, both)
+
+    def _singles(self, free: Mask, path: BoundaryPath, corners: Corners, alone: Ints) -> Found:
+        """For each corner its closest visible boundary, all of them at a tie; if none is visible, the closest hidden.
+
+        The boundary next to the corner is its own wall and does not count.
+        """
+        corner, sample, squared = self._boundaries(path, corners, alone)
+        start, end = corners.cell[corner], path.cell[sample]
+        clear, _, _ = lines_between(free, start, end)
+        nearest = np.full((2, len(corners.cell)), np.iinfo(np.int64).max)
+        for rank, seen in enumerate((~clear, clear)):
+            np.minimum.at(nearest[rank], corner[seen], squared[seen])
+        has_clear = nearest[1, corner] < np.iinfo(np.int64).max
+        chosen = np.where(clear, squared == nearest[1, corner], ~has_clear & (squared == nearest[0, corner]))
+        verdict = np.where(clear, PROPOSED, VERDICTS.index("blocked")).astype(np.uint8)[chosen]
+        both = np.stack([corner, np.full_like(corner, -1)], axis=1)[chosen]
+        return Found(start[chosen], end[chosen], np.full(len(verdict), KINDS.index("single"), np.uint8), verdict, both)
+
+    def _boundaries(self, path: BoundaryPath, corners: Corners, alone: Ints) -> tuple[Ints, Ints, NDArray[np.int64]]:
+        """Corners `alone` with every boundary cell in reach that is not their own wall, and squared distance in cells.
+
+        Sorted by corner and cell. A cell that any of its samples ties to the corner's own wall does not count.
+        """
+        tree, boundary = cKDTree(corners.cell[alone]), cKDTree(path.cell)
+        if not len(alone):
+            return alone, alone, alone.astype(np.int64)
+        near = tree.sparse_distance_matrix(boundary, self._reach(path), output_type="ndarray")
+        corner, sample = alone[near["i"]], near["j"].astype(np.int32)
+        start, end = corners.cell[corner], path.cell[sample]
+        own = same_wall(path, corners.sample[corner], sample, self.single_detour)
+        own |= np.abs(end - start).max(axis=1) <= 1
+        # one entry a cell: own walls first, so that one own sample speaks for its cell
+        cell = end[:, 0].astype(np.int64) * (path.frame.width + 2) + end[:, 1]  # columns -1 to width
+        order = np.lexsort((~own, cell, corner))
+        key = np.stack([corner[order], cell[order]])
+        leads = np.append(True, (key[:, 1:] != key[:, :-1]).any(axis=0))
+        kept = order[leads & ~own[order]]
+        span = (end[kept] - start[kept]).astype(np.int64)
+        return corner[kept], sample[kept], (span * span).sum(axis=1)
+
+    def _reach(self, path: BoundaryPath) -> float:
+        """Longest door in cells."""
+        return self.max_length_m / path.frame.resolution_m + EPSILON
+
+
+def same_wall(path: BoundaryPath, one: Ints, other: Ints, detour: float) -> Mask:
+    """Whether the path between two samples is so short that their segment only cuts along one wall."""
+    length_m = np.hypot(*(path.cell[other] - path.cell[one]).T) * path.frame.resolution_m
+    common = path.contour[one] == path.contour[other]
+    return np.asarray(common & (gaps_m(path, one, other) <= detour * length_m + EPSILON))
+
+
+class Found(NamedTuple):
+    """Segments found, before they are measured."""
+
+    start: Ints
+    end: Ints
+    kind: NDArray[np.uint8]
+    verdict: NDArray[np.uint8]
+    corners: Ints
+
+    def followed_by(self, other: Found) -> Found:
+        """Both lists, one after the other."""
+        columns: Iterator[tuple[Any, Any]] = zip(self, other, strict=True)
+        return Found(*map(np.concatenate, columns))
+
+
+def measured(free: Mask, found: Found, frame: Frame) -> VirtualDoors:
+    """The record of segments found: equal proposed ones are kept once, and those that stay have their cells."""
+    verdict = without_duplicates(found)
+    proposed = np.flatnonzero(verdict == PROPOSED)
+    _, line_cell, owner = lines_between(free, found.start[proposed], found.end[proposed])
+    length_m, width_m, tilt_rad = measures(found.start, found.end, frame.resolution_m)
+    return VirtualDoors(
+        start=found.start,
+        end=found.end,
+        kind=found.kind,
+        verdict=verdict,
+        corner_start=found.corners[:, 0],
+        corner_end=found.corners[:, 1],
+        length_m=length_m,
+        width_m=width_m,
+        tilt_rad=tilt_rad,
+        line_cell=line_cell,
+        line_door=proposed[owner].astype(np.int32),
+        frame=frame,
+    )
+
+
+def pairs_within(corners: Corners, among: Ints, reach: float) -> Ints:
+    """Pairs (k, 2) of some corners at most `reach` cells apart, the lower first, sorted."""
+    place = corners.cell[among]
+    near = cKDTree(place).query_pairs(reach, output_type="ndarray") if len(place) else np.zeros((0, 2))
+    both = among[np.sort(near, axis=1).astype(np.intp)].reshape(-1, 2)
+    return np.asarray(both[np.lexsort((both[:, 1], both[:, 0]))])
+
+
+def without_duplicates(found: Found) -> NDArray[np.uint8]:
+    """The verdicts (k,), all but the first of proposed segments with equal end points turned to duplicates."""
+    proposed = np.flatnonzero(found.verdict == PROPOSED)
+    start, end = found.start[proposed], found.end[proposed]
+    swap = (start[:, 0] > end[:, 0]) | ((start[:, 0] == end[:, 0]) & (start[:, 1] > end[:, 1]))
+    ends = np.where(swap[:, None], np.hstack([end, start]), np.hstack([start, end]))
+    _, first = np.unique(ends, axis=0, return_index=True)
+    verdict = found.verdict.copy()
+    verdict[np.delete(proposed, first)] = VERDICTS.index("duplicate")
+    return verdict
+
+
+def measures(start: Ints, end: Ints, cell_m: float) -> tuple[Floats, Floats, Floats]:
+    """Length between centres, free gap and angle to the nearer axis of segments (k,) between cells."""
+    span = np.abs(end - start)
+    long, short = span.max(axis=1), span.min(axis=1)
+    length = np.hypot(long, short)
+    # a segment leaves its end cell after half a cell along the longer axis
+    gap = length * np.maximum(1 - 1 / np.maximum(long, 1), 0)
+    return length * cell_m, gap * cell_m, np.arctan2(short, long)

@@ -1,0 +1,170 @@
+"""The doors of the final map: kept edges, and openings too narrow for the working resolution."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from vdoor.frame import Frame
+from vdoor.method.arrangement import components
+from vdoor.method.initial_map import InitialMap
+from vdoor.method.simplify import SimplifiedGrid
+from vdoor.topology import KINDS
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int32]
+
+
+class Doors(NamedTuple):
+    """The door columns of the map."""
+
+    edge: Ints
+    start_m: Floats
+    end_m: Floats
+    kind: NDArray[np.uint8]
+    length_m: Floats
+    width_m: Floats
+    tilt_rad: Floats
+    room_a: Ints
+    room_b: Ints
+
+    def followed_by(self, other: Doors) -> Doors:
+        """Both lists, one after the other."""
+        columns: Iterator[tuple[Any, Any]] = zip(self, other, strict=True)
+        return Doors(*map(np.concatenate, columns))
+
+
+def door_rows(initial: InitialMap, rows: list[tuple[int, int, int]], number: Ints) -> Doors:
+    """The doors of rows of edge and two rooms; `number` says what each room is called."""
+    edge, a, b = np.array(rows, np.int32).reshape(-1, 3).T
+    room_a, room_b = np.sort([number[a], number[b]], axis=0)
+    real = room_a > 0
+    edge = edge[real]
+    return Doors(
+        edge,
+        initial.frame.world_from_cell(initial.start[edge]),
+        initial.frame.world_from_cell(initial.end[edge]),
+        initial.kind[edge],
+        initial.length_m[edge],
+        initial.width_m[edge],
+        initial.tilt_rad[edge],
+        room_a[real],
+        room_b[real],
+    )
+
+
+def contacts(labels: Ints) -> tuple[Floats, Ints]:
+    """Where cells of two rooms touch: middles (k, 2) as row, col, and the two rooms (k, 2), the lower first."""
+    places, pairs = [], []
+    for step in ((0, 1), (1, 0)):
+        one = labels[: labels.shape[0] - step[0], : labels.shape[1] - step[1]]
+        other = labels[step[0] :, step[1] :]
+        row, col = np.nonzero((one != other) & (one > 0) & (other > 0))
+        places.append(np.stack([row, col], axis=1) + np.array(step) / 2)
+        pairs.append(np.sort(np.stack([one[row, col], other[row, col]], axis=1), axis=1))
+    return np.concatenate(places), np.concatenate(pairs)
+
+
+def matched_to_contacts(labels: Ints, doors: Doors, simplified: SimplifiedGrid, frame: Frame) -> Doors:
+    """The doors at which their rooms touch, and a passage for every contact that no door explains.
+
+    Passages are openings of the input too narrow for the working resolution. A door where the rooms do not touch
+    within a working cell lies on cells that only flattening made free: it goes, and what contact there is nearby is a
+    passage.
+    """
+    place, pair = contacts(labels)
+    cell_m = simplified.frame.resolution_m
+    place_m = frame.world_from_cell(place)
+    explained = np.zeros(len(place), np.bool_)
+    touched = np.zeros(len(doors.edge), np.bool_)
+    tree = cKDTree(place_m)
+    for row in range(len(doors.edge)):
+        middle_m = (doors.start_m[row] + doors.end_m[row]) / 2
+        near = np.array(tree.query_ball_point(middle_m, doors.length_m[row] / 2 + 2 * cell_m), np.intp)
+        near = near[(pair[near] == [doors.room_a[row], doors.room_b[row]]).all(axis=1)]
+        near = near[to_segment_m(place_m[near], doors.start_m[row], doors.end_m[row]) <= cell_m]
+        explained[near] = True
+        touched[row] = len(near) > 0
+    passages = passages_at(place[~explained], pair[~explained], frame)
+    columns: list[Any] = [column[touched] for column in doors]
+    return Doors(*columns).followed_by(passages)
+
+
+def passages_at(place: Floats, pair: Ints, frame: Frame) -> Doors:
+    """One door for each piece of contacts (k, 2) as row, col between the same two rooms."""
+    start, end, rooms = [], [], []
+    for contact in _pieces(place, pair):
+        one = _farthest(place[contact], place[contact[0]])
+        start.append(one)
+        end.append(_farthest(place[contact], one))
+        rooms.append(pair[contact[0]])
+    count = len(rooms)
+    start_cell, end_cell = np.array(start).reshape(-1, 2), np.array(end).reshape(-1, 2)
+    span = np.abs(end_cell - start_cell)
+    gap_m = (np.hypot(*span.T) + 1) * frame.resolution_m
+    joined = np.array(rooms, np.int32).reshape(-1, 2)
+    return Doors(
+        np.full(count, -1, np.int32),
+        frame.world_from_cell(start_cell),
+        frame.world_from_cell(end_cell),
+        np.full(count, KINDS.index("passage"), np.uint8),
+        gap_m,
+        gap_m,
+        np.arctan2(span.min(axis=1), span.max(axis=1)),
+        joined[:, 0],
+        joined[:, 1],
+    )
+
+
+def doors_along(start: Floats, end: Floats, place: Floats, pair: Ints, frame: Frame) -> Doors:
+    """One door along a line for each piece of contacts (k, 2) beside it; the line and contacts as row, col.
+
+    Doors have the line's direction and lie in the middle of their contacts, which are on one side of its cells. What
+    contacts are more than a cell away from them, as in a nook that the line cuts off, have doors of their own.
+    """
+    doors = passages_at(place, pair, frame)
+    way = (end - start) / max(float(np.hypot(*(end - start))), 1e-9)
+    aside = np.array([-way[1], way[0]])
+    spans, astray = [], np.zeros(len(place), np.bool_)
+    for contact in _pieces(place, pair):
+        along, apart = (place[contact] - start) @ way, (place[contact] - start) @ aside
+        spans.append([along.min(), along.max(), (apart.min() + apart.max()) / 2])
+        astray[contact] = np.abs(apart - spans[-1][-1]) > 1
+    first, last, off = np.array(spans).reshape(-1, 3).T[:, :, None]
+    gap_m = (last - first + 1).ravel() * frame.resolution_m
+    tilt_rad = np.full(len(gap_m), np.arctan2(*np.sort(np.abs(way))))
+    doors = doors._replace(
+        start_m=frame.world_from_cell(start + first * way + off * aside),
+        end_m=frame.world_from_cell(start + last * way + off * aside),
+        length_m=gap_m,
+        width_m=gap_m,
+        tilt_rad=tilt_rad,
+    )
+    doors = doors.followed_by(passages_at(place[astray], pair[astray], frame))
+    return doors._replace(kind=np.full_like(doors.kind, KINDS.index("added")))
+
+
+def _farthest(place: Floats, point: Floats) -> Floats:
+    """The place (2,) of (k, 2) that is farthest from a point."""
+    return np.asarray(place[np.argmax(np.hypot(*(place - point).T))])
+
+
+def to_segment_m(point_m: Floats, start_m: Floats, end_m: Floats) -> Floats:
+    """Distance (k,) of points (k, 2) to a segment."""
+    along = end_m - start_m
+    share = np.clip((point_m - start_m) @ along / max(float(along @ along), 1e-12), 0, 1)
+    return np.asarray(np.hypot(*(point_m - start_m - share[:, None] * along).T))
+
+
+def _pieces(place: Floats, pair: Ints) -> list[NDArray[np.intp]]:
+    """Indices of contacts between the same two rooms that hang together, piece by piece."""
+    if not len(place):
+        return []
+    links = cKDTree(place).query_pairs(1.0, output_type="ndarray")
+    links = links[(pair[links[:, 0]] == pair[links[:, 1]]).all(axis=1)]
+    piece = components(links.T, len(place))
+    return np.split(np.argsort(piece, kind="stable"), np.cumsum(np.bincount(piece))[:-1])

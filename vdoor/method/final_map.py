@@ -1,0 +1,140 @@
+"""The final topological map: the rooms that remain when the removed doors are opened."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vdoor.frame import Frame
+from vdoor.grid import FREE, OccupancyGrid
+from vdoor.method.final_doors import Doors, door_rows, matched_to_contacts
+from vdoor.method.initial_map import InitialMap
+from vdoor.method.search.generation import Generation
+from vdoor.method.search.incremental import FlipState
+from vdoor.method.search.problem import Bits, MergeProblem
+from vdoor.method.simplify import SimplifiedGrid
+from vdoor.raster.labels import at_input, flooded, handed_on, numbered, whole
+from vdoor.raster.polygons import centres, polygons
+from vdoor.raster.runs import runs_of
+from vdoor.topology import TopologicalMap
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int32]
+
+
+@dataclass(frozen=True, kw_only=True)
+class MergeRooms:
+    """Open the removed doors and carry the rooms that remain to the input's resolution."""
+
+    passages: bool = True
+    """Rooms that touch where the simplified grid has no opening have a passage there, too narrow for the working
+    resolution (paper); false: no robot fits through, so it is no door, and what lies behind it belongs to one room."""
+
+    def __call__(
+        self,
+        grid: OccupancyGrid,
+        simplified: SimplifiedGrid,
+        initial: InitialMap,
+        best: Generation,
+        problem: MergeProblem,
+    ) -> TopologicalMap:
+        """Rooms and doors; kept doors that separate nothing are dropped, where the search did not do that itself."""
+        room_of_piece, rows = merged(problem, best.removed)
+        working = np.append(0, room_of_piece)[initial.piece]
+        labels = whole(at_input(working, simplified.factor, grid.free))
+        if not self.passages:
+            inner = at_input((simplified.cells == FREE).astype(np.int32), simplified.factor, grid.free) > 0
+            labels = handed_on(flooded(labels, inner), grid.free)
+        else:
+            labels = flooded(labels, grid.free)
+        labels, number = numbered(labels, int(room_of_piece.max()))
+        doors = door_rows(initial, rows, number)
+        if self.passages:
+            doors = matched_to_contacts(labels, doors, simplified, grid.frame)
+
+        room = number[room_of_piece[: len(initial.area_m2)]]
+        feature = np.stack([room[initial.feature_region], initial.feature_corner], axis=1)
+        feature, first = np.unique(feature[feature[:, 0] > 0], axis=0, return_index=True)
+        source = np.flatnonzero(room[initial.feature_region] > 0)[first]
+        place_m = initial.frame.world_from_cell(initial.feature_cell[source])
+        features = Features(feature[:, 0], feature[:, 1], initial.feature_convex[source], place_m)
+        return map_of(labels, grid.frame, doors, features)
+
+
+def merged(problem: MergeProblem, removed: Bits) -> tuple[Ints, list[tuple[int, int, int]]]:
+    """Room (pieces,) of every piece, 1 and up, 0 on closed doors; and rows of edge and two rooms, the lower first.
+
+    A kept door that joins no two rooms when it is opened separates nothing and is dropped: of two doors with nothing
+    between them the less likely goes where doors have scores, else the more tilted, then the longer one.
+    """
+    state = FlipState(problem, np.flatnonzero(removed).tolist())
+    state.open_idle()
+    # Asked again, since a dropped door may have been all that kept another from joining a third room.
+    pairs = [
+        (edge, one, other)
+        for edge in range(problem.edges)
+        if not state.removed[edge]
+        for joined in state.open_if_idle(edge)
+        for one, other in itertools.combinations(joined, 2)
+    ]
+    node = np.append(np.arange(problem.regions), problem.node_of_atom)
+    room = np.array(state.room_of)
+    _, number = np.unique(room[: problem.regions], return_inverse=True)
+    of_room = np.zeros(room.max() + 1, np.int32)
+    of_room[room[: problem.regions]] = number + 1
+    room = np.where(room >= 0, of_room[room], 0).astype(np.int32)
+    rows = [(edge, int(min(room[a], room[b])), int(max(room[a], room[b]))) for edge, a, b in pairs]
+    return room[node], sorted(rows)
+
+
+class Features(NamedTuple):
+    """The corner feature columns of the map."""
+
+    room: Ints
+    corner: Ints
+    convex: NDArray[np.bool_]
+    point_m: Floats
+
+    @classmethod
+    def none(cls) -> Features:
+        """Of a map that knows none."""
+        rows = np.zeros(0, np.int32)
+        return cls(rows, rows, np.zeros(0, np.bool_), np.zeros((0, 2)))
+
+
+def map_of(
+    labels: Ints, frame: Frame, doors: Doors, features: Features, names: Mapping[int, str] | None = None
+) -> TopologicalMap:
+    """The map of rooms (h, w) by their ids, whatever these are; `names` by id, of those rooms that have one."""
+    ids, rank = ranked(labels)
+    vertex, vertex_room, vertex_ring = polygons(labels)
+    cells = runs_of(rank).cells(len(ids))
+    called = tuple((names or {}).get(room, "") for room in ids.tolist())
+    return TopologicalMap(
+        labels=labels,
+        centre=centres(rank, len(ids)),
+        area_m2=cells.astype(np.float64) * frame.resolution_m**2,
+        name=called if any(called) else (),
+        **doors._asdict(),
+        feature_room=features.room,
+        feature_corner=features.corner,
+        feature_convex=features.convex,
+        feature_m=features.point_m,
+        vertex_m=frame.world_from_cell(vertex - 0.5),
+        vertex_room=vertex_room,
+        vertex_ring=vertex_ring,
+        frame=frame,
+    )
+
+
+def ranked(labels: Ints) -> tuple[Ints, Ints]:
+    """The labels there are but 0, rising; and each cell's place (h, w) among them, from 1 on, 0 where it has none."""
+    ids = np.unique(runs_of(labels).label)
+    if len(ids) == ids.max(initial=0):
+        return ids, labels
+    return ids, np.searchsorted(np.append(0, ids), labels).astype(np.int32)

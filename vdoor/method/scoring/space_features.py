@@ -1,0 +1,73 @@
+"""Features of a virtual door: the space before and behind it."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import ndimage
+
+from vdoor.method.scoring.segments import Segments
+from vdoor.raster.raycast import Padded, looks
+
+Floats = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+CLEARANCE_REACHES_M = (0.6, 1.2, 2.0)
+BESIDE_M = (-0.3, -0.15, 0.0, 0.15, 0.3)
+BESIDE = ("wider_min_m", "wider_max_m", "wider_far_min_m", "wider_far_max_m", "depth_min_m", "depth_max_m")
+CLEARANCE = tuple(f"clear_{reach_m:g}_{which}_m" for reach_m in CLEARANCE_REACHES_M for which in ("min", "max"))
+"""Features that look into the space before and behind a door."""
+FAR_M = 3.0
+"""Farther away nothing is looked at."""
+UNSEEN = 1.5
+"""Cells by which two looks, to the left and to the right, fall short of the way between the cells that end them: half
+of one in either, and on average a quarter, as looks go by half cells. Doors are measured between such cells."""
+
+
+def space_beside(open_: Padded, door: Segments) -> dict[str, Floats]:
+    """How much wider than the door the space is beside it, and how deep it is before it."""
+    wider = {}
+    for away_m in (0.4, 0.7):
+        for name, sign in (("l", -1), ("r", 1)):
+            point = door.middle + sign * door.normal * (away_m / door.cell_m)
+            inside = open_.at(*point.T).astype(np.bool_)
+            width = looks(open_, point, door.along, FAR_M / door.cell_m)
+            width += looks(open_, point, -door.along, FAR_M / door.cell_m)
+            wider[away_m, name] = np.where(inside, width + UNSEEN, 0.0) * door.cell_m - door.length_m
+    depth = np.stack([looks(open_, door.middle, s * door.normal, FAR_M / door.cell_m) for s in (-1, 1)]) * door.cell_m
+    return {
+        "wider_min_m": np.minimum(wider[0.4, "l"], wider[0.4, "r"]),
+        "wider_max_m": np.maximum(wider[0.4, "l"], wider[0.4, "r"]),
+        "wider_far_min_m": np.minimum(wider[0.7, "l"], wider[0.7, "r"]),
+        "wider_far_max_m": np.maximum(wider[0.7, "l"], wider[0.7, "r"]),
+        "depth_min_m": depth.min(axis=0),
+        "depth_max_m": depth.max(axis=0),
+    }
+
+
+def room_around(free: Mask) -> Padded:
+    """How far, in cells, each free cell is from the nearest one that is not, or from the map's edge."""
+    return Padded(ndimage.distance_transform_edt(np.pad(free, 1))[1:-1, 1:-1], 0.0)
+
+
+def clearance(distance: Padded, open_: Padded, door: Segments) -> dict[str, Floats]:
+    """Whether space opens up behind the door: room around places met on the way, against half the door's length."""
+    half_m = door.length_m / 2
+    found = {"clear_middle_m": distance.at(*door.middle.T).astype(np.float64) * door.cell_m - half_m}
+    steps = np.arange(1, max(1, int(max(CLEARANCE_REACHES_M) / door.cell_m * 2)) + 1) / 2
+    most = np.zeros((len(CLEARANCE_REACHES_M), 2, len(half_m)))
+    for side, sign in enumerate((-1, 1)):
+        for beside_m in BESIDE_M:
+            base = door.middle + door.along * (beside_m / door.cell_m)
+            row = base[:, 0, None] + sign * door.normal[:, 0, None] * steps
+            col = base[:, 1, None] + sign * door.normal[:, 1, None] * steps
+            seen = np.logical_and.accumulate(open_.at(row, col).astype(np.bool_), axis=1)
+            best = np.maximum.accumulate(np.where(seen, distance.at(row, col), 0.0), axis=1)
+            for number, reach_m in enumerate(CLEARANCE_REACHES_M):
+                last = max(1, min(len(steps), int(reach_m / door.cell_m * 2))) - 1
+                most[number, side] = np.maximum(most[number, side], best[:, last])
+    for number, reach_m in enumerate(CLEARANCE_REACHES_M):
+        by_side = most[number] * door.cell_m - half_m
+        found[f"clear_{reach_m:g}_min_m"] = by_side.min(axis=0)
+        found[f"clear_{reach_m:g}_max_m"] = by_side.max(axis=0)
+    return found

@@ -1,0 +1,100 @@
+"""Features of a virtual door: the walls that it would close."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import ndimage
+
+from vdoor.grid import FREE, OCCUPIED
+from vdoor.method.scoring.segments import Segments
+from vdoor.method.simplify import SimplifiedGrid
+from vdoor.raster.raycast import Padded, looks
+
+Floats = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+WALL_RUN_M = 1.5
+"""Walls are followed so far."""
+BAD_STEPS = 2
+"""Steps off the face that are allowed."""
+
+
+def in_wall(free: Mask, door: Segments) -> dict[str, Floats]:
+    """How far the door's line goes on inside the wall at either end, and how thick the wall is there."""
+    solid = Padded(~free, True)
+    reach = 0.3 / door.cell_m
+    on = np.stack([looks(solid, door.start, -door.along, reach), looks(solid, door.end, door.along, reach)])
+    thick = []
+    for point, sign in ((door.start, -1), (door.end, 1)):
+        inside = point + sign * door.along * (0.1 / door.cell_m)
+        set_ = solid.at(*inside.T).astype(np.bool_)
+        sides = [looks(solid, inside, s * door.normal, 0.5 / door.cell_m) for s in (-1, 1)]
+        thick.append(np.where(set_, sides[0] + sides[1] + 1, 0.0))  # and the cell from which one looks
+    both = np.stack(thick)
+    return {
+        "in_wall_min_m": on.min(axis=0) * door.cell_m,
+        "in_wall_max_m": on.max(axis=0) * door.cell_m,
+        "thick_min_m": both.min(axis=0) * door.cell_m,
+        "thick_max_m": both.max(axis=0) * door.cell_m,
+        "thick_apart_m": np.abs(both[0] - both[1]) * door.cell_m,
+    }
+
+
+def ends_known(simplified: SimplifiedGrid, door: Segments) -> dict[str, Floats]:
+    """Share of the cells around either end that are walls, not unknown: minimum over the ends."""
+    occupied = (simplified.cells == OCCUPIED).astype(np.float64)
+    window = 2 * max(1, round(0.1 / door.cell_m)) + 1
+    share = Padded(ndimage.uniform_filter(occupied, window, mode="constant"), 0.0)
+    solid = Padded(ndimage.uniform_filter((simplified.cells != FREE).astype(np.float64), window, mode="nearest"), 1.0)
+    ends = np.stack([share.at(*p.T) / np.maximum(solid.at(*p.T), 1e-9) for p in (door.start, door.end)])
+    return {"end_is_wall": ends.astype(np.float64).min(axis=0)}
+
+
+def wall_runs(free: Mask, door: Segments) -> dict[str, Floats]:
+    """How far the walls that the door would close go on in its direction, faces straight, beyond either end."""
+    grid = Padded(free, False)
+    steps = max(1, int(WALL_RUN_M / door.cell_m))
+    run, face = np.zeros((2, 2, len(door.length))), np.zeros((2, 2, len(door.length)))
+    depth = np.arange(0, math.ceil(0.35 / door.cell_m) + 1, dtype=np.float64)
+    for e, (point, out) in enumerate(((door.start, -1), (door.end, 1))):
+        for s, sign in enumerate((-1, 1)):
+            run[e, s], face[e, s] = _face_run(grid, point, (out * door.along, sign * door.normal), depth, steps)
+    run_m, face_m = run * door.cell_m, face * door.cell_m
+    capped = np.minimum(run_m, 0.4)
+    by_side = run_m.min(axis=0)  # over the ends
+    return {
+        "run_best_side_m": by_side.max(axis=0),
+        "run_other_side_m": by_side.min(axis=0),
+        "run_mean_m": run_m.mean(axis=(0, 1)),
+        "run_end_min_m": run_m.max(axis=1).min(axis=0),
+        "run_end_max_m": run_m.max(axis=1).max(axis=0),
+        "run_capped_side_m": capped.min(axis=0).max(axis=0),
+        "run_capped_end_m": capped.max(axis=1).min(axis=0),
+        "run_capped_mean_m": capped.mean(axis=(0, 1)),
+        "face_apart_m": np.minimum(*np.abs(face_m[0] - face_m[1])),
+    }
+
+
+def _face_run(
+    grid: Padded, point: Floats, ways: tuple[Floats, Floats], depth: Floats, steps: int
+) -> tuple[Floats, Floats]:
+    """How many steps the wall's face goes on outward from an end, and the face's offset at its beginning, in cells.
+
+    The face is the first free cell across from the door's line; two bad steps are allowed, its offset may drift by
+    1.1 cells and 5 % of the way.
+    """
+    out, across = ways
+    at = np.arange(1, steps + 1, dtype=np.float64)
+    row = point[:, 0, None, None] + out[:, 0, None, None] * at[:, None] + across[:, 0, None, None] * depth
+    col = point[:, 1, None, None] + out[:, 1, None, None] * at[:, None] + across[:, 1, None, None] * depth
+    free = grid.at(row, col).astype(np.bool_)  # door, step, depth
+    offset = np.where(free.any(axis=2), free.argmax(axis=2), len(depth)).astype(np.float64)
+    offset[free[:, :, 0]] = -1.0  # the line itself is free: no wall here
+    first = offset[:, :1]
+    good = (offset > 0) & (offset < len(depth)) & (np.abs(offset - first) <= 1.1 + 0.05 * at)
+    bad = np.cumsum(~good, axis=1)
+    reached = np.where(good & (bad <= BAD_STEPS), at, 0.0).max(axis=1, initial=0.0)
+    return np.where(good[:, 0], reached, 0.0), np.clip(first[:, 0], 0.0, None)

@@ -1,0 +1,103 @@
+"""A genetic search whose best child learns: one record a generation, as in section III, but from a greedy start."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Annotated
+
+import numpy as np
+
+from vdoor.config import Within
+from vdoor.method.search.costs import Costs
+from vdoor.method.search.generation import Generation, summary
+from vdoor.method.search.incremental import FlipState
+from vdoor.method.search.problem import Bits, MergeProblem
+
+SURELY = 1e-9
+"""A change is made where it costs less by more than this, not by rounding alone."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class MemeticSearch:
+    """Uniform crossover, one mutation a string, and local search on the best child of each generation."""
+
+    population: Annotated[int, Within(2, 100_000)] = 16
+    """Strings that survive a generation."""
+    generations: Annotated[int, Within(0, 1_000_000)] = 50
+    """At most so many."""
+    patience: Annotated[int, Within(1, 1_000_000)] = 5
+    """The search ends after so many generations without a better string."""
+
+    def __call__(self, problem: MergeProblem, rng: np.random.Generator) -> Iterator[Generation]:
+        """Generation 0 is the greedy choice and strings near it; survivors are the best different strings."""
+        first = greedy(problem)
+        near = rng.random((self.population - 1, problem.edges)) < 2 / max(problem.edges, 2)
+        strings = np.concatenate([first[None], first ^ near])
+        strings, costs = ordered(problem, strings)
+        evaluations = len(strings) + 1
+        yield summary(0, evaluations, strings, costs)
+        best, since = float(costs.cost.min()), 0
+        for number in range(1, self.generations + 1):
+            children = self._children(strings, rng)
+            learned = climbed(problem, children[np.argmin(problem.evaluate(children).cost)])
+            strings = np.unique(np.concatenate([strings, children, learned[None]]), axis=0)
+            evaluations += len(children) + len(strings) + 1
+            strings, costs = ordered(problem, strings)
+            strings, costs = strings[: self.population], Costs(*(term[: self.population] for term in costs))
+            yield summary(number, evaluations, strings, costs)
+            since = 0 if costs.cost[0] < best else since + 1
+            best = float(costs.cost[0])
+            if since == self.patience or problem.edges == 0:
+                return
+
+    def _children(self, parents: Bits, rng: np.random.Generator) -> Bits:
+        """As many children (p, r) as the population has: bits of two random parents each, one flipped on average."""
+        one, other = parents[rng.integers(len(parents), size=(2, self.population))]
+        child = np.where(rng.random(one.shape) < 0.5, one, other)  # noqa: PLR2004  # uniform crossover
+        return np.asarray(child ^ (rng.random(child.shape) < 1 / max(child.shape[1], 1)))
+
+
+def ordered(problem: MergeProblem, strings: Bits) -> tuple[Bits, Costs]:
+    """The strings (p, r) with their costs, the best first and without its doors that part nothing.
+
+    Such doors gain nothing where the cost asks what they part, and are none of the final map, which so has all doors
+    that the best string keeps.
+    """
+    costs = problem.evaluate(strings)
+    fittest = np.argsort(costs.cost, kind="stable")
+    strings, costs = strings[fittest], Costs(*(term[fittest] for term in costs))
+    if not problem.cost.counts_separating:
+        return strings, costs
+    state = FlipState(problem, np.flatnonzero(strings[0]).tolist())
+    state.open_idle()
+    strings[0] = state.removed
+    best = problem.evaluate(strings[:1])
+    return strings, Costs(*(np.append(one, rest[1:]) for one, rest in zip(best, costs, strict=True)))
+
+
+def greedy(problem: MergeProblem) -> Bits:
+    """The doors (r,) that gain something, the likeliest first, unless a rival is kept; bit 1 = removed."""
+    removed = np.ones(problem.edges, np.bool_)
+    conflicts = FlipState(problem).conflicts
+    for edge in np.argsort(-problem.log_odds, kind="stable").tolist():
+        if problem.gain[edge] <= 0:
+            continue
+        removed[edge] = any(not removed[other] for other in conflicts[edge])
+    return removed
+
+
+def climbed(problem: MergeProblem, removed: Bits) -> Bits:
+    """The string (r,) after flips of single doors, and swaps of a door for its rivals, until none helps."""
+    state = FlipState(problem, np.flatnonzero(removed).tolist())
+    better = True
+    while better:
+        before = state.cost
+        for edge in range(problem.edges):
+            kept = [other for other in state.conflicts[edge] if not state.removed[other]]
+            if state.removed[edge] and kept:
+                state.try_flips([*kept, edge], -SURELY)
+            else:
+                state.try_flip(edge, -SURELY)
+        better = state.cost < before
+    return np.array(state.removed, np.bool_)

@@ -1,0 +1,63 @@
+"""The pictures of the page, by the names of their files."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterator
+
+import numpy as np
+
+from vdoor.paper import pictures_ as draw
+from vdoor.paper.doors_counted import CALLED, detected, methods_for, real_lines_m
+from vdoor.paper.everything import Evidence
+from vdoor.paper.runs import case_name
+from vdoor.paper.sub_cases import SUB_CASES, SubCase
+from vdoor.paper.table_one import ENVIRONMENTS, Environment
+from vdoor.paper.walk import paper, walked
+from vdoor.paper.walk_through import figure_walk
+
+FIGURE_5, SEARCH, TABLE_1 = "figure_5.png", "search.png", "table_1.png"
+
+
+def picture_of(case: SubCase) -> str:
+    """The name of a sub-case's picture."""
+    return f"{case_name(case.part)}.png"
+
+
+NAMES = (*map(picture_of, SUB_CASES), FIGURE_5, SEARCH, TABLE_1)
+"""All of them."""
+
+
+def pictures(evidence: Evidence) -> Iterator[tuple[str, bytes]]:
+    """Name and PNG of each, in the order of `NAMES`; `VdoorError` where matplotlib is missing."""
+    for case in SUB_CASES:
+        yield picture_of(case), _sub_case(case)
+    seed = evidence.size.seed
+    yield FIGURE_5, draw.walk_through(figure_walk(seed=seed).records)
+    yield SEARCH, _search(evidence)
+    yield TABLE_1, draw.comparison([_compared(environment, seed) for environment in ENVIRONMENTS])
+
+
+def _sub_case(case: SubCase) -> bytes:
+    after = before = walked(case.grid)
+    if case.undone:
+        before = walked(case.grid, dataclasses.replace(paper(), simplify=case.undone))
+    return draw.sub_case(case.part, before.records, after.records)
+
+
+def _search(evidence: Evidence) -> bytes:
+    search = evidence.search
+    courses = [draw.Course(**dataclasses.asdict(course)) for course in search.courses]
+    return draw.search_picture(courses, optimum=search.optimum, reached=search.reached_in, searches=len(search.reached))
+
+
+def _compared(environment: Environment, seed: int) -> draw.Compared:
+    """An environment with furniture, and what each method finds there."""
+    made = dataclasses.replace(environment, furniture=True).made
+    found = {}
+    for name, method in methods_for(made).items():
+        detection = detected(made, method, seed=seed)
+        real = np.zeros(len(detection.virtual_m), np.bool_)
+        real[[virtual for _, virtual in detection.pairs]] = True
+        found[CALLED[name]] = (detection.virtual_m, real)
+    return draw.Compared(environment.name, made.grid, real_lines_m(made), found)

@@ -1,0 +1,83 @@
+"""The runs behind the figures and Table I, so that each can be recorded, replayed and run again."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from vdoor import __version__
+from vdoor.config import settings_of
+from vdoor.emit import Recorder, RunInfo
+from vdoor.grid import OccupancyGrid
+from vdoor.outputs import Outputs, opened
+from vdoor.paper.doors_counted import CALLED, PROPOSED, methods_for
+from vdoor.paper.sub_cases import SUB_CASES
+from vdoor.paper.table_one import ENVIRONMENTS
+from vdoor.paper.walk import paper
+from vdoor.paper.walk_through import figure_map
+from vdoor.pipeline import METHODS, PRESETS, AnyPipeline
+
+
+@dataclass(frozen=True, eq=False)
+class Run:
+    """One of them."""
+
+    name: str
+    """Of its files, without the ending."""
+    what: str
+    grid: OccupancyGrid
+    pipeline: AnyPipeline
+    preset: str = "paper"
+    seed: int = 0
+
+    def files(self, folder: Path, *, rrd: bool) -> list[Path]:
+        """What `record` writes."""
+        endings = ("mcap", "rrd") if rrd else ("mcap",)
+        return [folder / f"{self.name}.{ending}" for ending in endings]
+
+    def record(self, folder: Path, *, rrd: bool) -> None:
+        """Run it and write its recording, on request the one to look at as well."""
+        info = RunInfo(
+            version=__version__, preset=self.preset, seed=self.seed, settings=settings_of(self.pipeline, METHODS)
+        )
+        mcap, *drawn = self.files(folder, rrd=rrd)
+        with opened(Outputs(mcap=mcap, save=drawn[0] if drawn else None), info) as recording:
+            self.pipeline(self.grid, np.random.default_rng(self.seed), Recorder(recording.sinks))
+
+
+def runs(seed: int) -> Iterator[Run]:
+    """All of them, in the paper's order."""
+    yield from _of_sub_cases()
+    yield Run("figure_5", "Fig. 5, the walk-through", figure_map(), paper(), seed=seed)
+    for furniture in (False, True):
+        yield from _of_table(seed, furniture=furniture)
+
+
+def case_name(part: str) -> str:
+    """What the files of a part of figure 3 are called: ``3c, 3d`` is ``figure_3cd``."""
+    return f"figure_{part.replace(', 3', '')}"
+
+
+def _of_sub_cases() -> Iterator[Run]:
+    for case in SUB_CASES:
+        yield Run(case_name(case.part), f"Fig. {case.part}, {case.name}", case.grid, paper())
+        if case.undone:
+            undone = dataclasses.replace(paper(), simplify=case.undone)
+            what = f"Fig. {case.part}, without that step"
+            yield Run(f"{case_name(case.part)}_undone", what, case.grid, undone)
+
+
+def _of_table(seed: int, *, furniture: bool) -> Iterator[Run]:
+    """The proposed method on each environment, and all others where it is furnished."""
+    kind = "furnished" if furniture else "empty"
+    for environment in ENVIRONMENTS:
+        made = dataclasses.replace(environment, furniture=furniture).made
+        for name, method in methods_for(made).items():
+            if furniture or name == PROPOSED:
+                stem = f"{environment.name} {kind} {name}".replace(" ", "_").replace("-", "_")
+                what = f"Table I, {environment.name}, {kind}: {CALLED[name]}"
+                yield Run(stem, what, made.grid, method, name if name in PRESETS else "paper", seed)

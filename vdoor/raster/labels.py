@@ -1,0 +1,89 @@
+"""Room labels at the input's resolution."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from skimage.measure import label as label_cells
+
+from vdoor.raster.runs import runs_of
+
+Ints = NDArray[np.int32]
+Mask = NDArray[np.bool_]
+
+
+def at_input(working: Ints, factor: int, free: Mask) -> Ints:
+    """Labels of the working grid at the input's resolution, on its free cells."""
+    fine = working.repeat(factor, axis=0).repeat(factor, axis=1) if factor > 1 else working
+    return np.where(free, fine[: free.shape[0], : free.shape[1]], 0).astype(np.int32)
+
+
+def whole(labels: Ints) -> Ints:
+    """The labels, each on its largest 4-connected part only, the first one at a tie.
+
+    Cells that are free at the working resolution may lie apart at the input's, behind a line of unknown cells or in
+    a hollow of furniture; flooding then gives those that can be walked to a room again.
+    """
+    part = label_cells(labels, connectivity=1, background=0)
+    runs = runs_of(part)
+    cells = runs.cells(int(part.max(initial=0)))
+    of_part = np.zeros(len(cells), np.int32)
+    of_part[runs.label - 1] = labels[runs.row, runs.begin]
+    order = np.lexsort((np.arange(len(cells)), -cells, of_part))
+    leads = np.append(True, of_part[order][1:] != of_part[order][:-1])[: len(order)]
+    kept = np.zeros(len(cells) + 1, np.int32)
+    kept[order[leads] + 1] = of_part[order[leads]]
+    return np.asarray(kept[part])
+
+
+def flooded(labels: Ints, free: Mask) -> Ints:
+    """Every free cell that a label reaches through free cells takes the nearest one by walking, the lower at a tie."""
+    width = labels.shape[1] + 2
+    flat = np.pad(labels, 1).reshape(-1)
+    todo = np.pad(free, 1).reshape(-1) & (flat == 0)
+    steps = np.array([-width, -1, 1, width])
+    pending = np.flatnonzero(todo)
+    edge = (pending[:, None] + steps).ravel()
+    front = np.unique(edge[flat[edge] > 0])
+    while len(front):
+        target = (front[:, None] + steps).ravel()
+        label = np.repeat(flat[front], len(steps))
+        fresh = todo[target]
+        target, label = target[fresh], label[fresh]
+        order = np.lexsort((label, target))
+        target, label = target[order], label[order]
+        first = np.append(True, target[1:] != target[:-1])[: len(target)]
+        front = target[first]
+        flat[front] = label[first]
+        todo[front] = False
+    return flat.reshape(labels.shape[0] + 2, width)[1:-1, 1:-1].copy()
+
+
+def handed_on(labels: Ints, free: Mask) -> Ints:
+    """Every free cell that a label reaches, each 4-connected piece of cells without one as a whole.
+
+    A piece takes the label that it shares most sides with, the lower at a tie; pieces that touch none stay at 0.
+    """
+    piece = label_cells(free & (labels == 0), connectivity=1)
+    row, col = np.nonzero(piece)
+    around = np.pad(labels, 1)
+    near = np.stack([around[row + down, col + right] for down, right in ((0, 1), (1, 0), (1, 2), (2, 1))])
+    own = np.broadcast_to(piece[row, col], near.shape)[near > 0]
+    rooms = int(labels.max(initial=0)) + 1
+    key, sides = np.unique(own.astype(np.int64) * rooms + near[near > 0], return_counts=True)
+    order = np.lexsort((-key, sides, key // rooms))  # the last of a piece has most sides, and the lowest label
+    of_piece = np.zeros(int(piece.max(initial=0)) + 1, np.int32)
+    of_piece[key[order] // rooms] = key[order] % rooms
+    return np.where(piece > 0, of_piece[piece], labels).astype(np.int32)
+
+
+def numbered(labels: Ints, rooms: int) -> tuple[Ints, Ints]:
+    """Labels renumbered 1, 2, ... in reading order of their first cells; and the new number (rooms + 1,) of each old.
+
+    Rooms without a free cell of the input (they lay on removed islands) get 0.
+    """
+    present = runs_of(labels).label
+    order = present[np.sort(np.unique(present, return_index=True)[1])]
+    number = np.zeros(rooms + 1, np.int32)
+    number[order] = np.arange(1, len(order) + 1)
+    return number[labels], number

@@ -1,0 +1,169 @@
+"""What a comparison found, as text, JSON and JUnit XML."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree as ET
+
+from vdoor.errors import printable
+from vdoor.recording.compare import Difference, Value, Worst
+from vdoor.recording.diff import Mismatch, Report, Setting, Stage
+
+Names = tuple[str, str]
+"""What the two runs are called."""
+RECORDED: Names = ("recorded", "now")
+EXIT_CODES = {"equal": 0, "differs": 1, "unreadable": 2}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Result:
+    """What came of verifying one file."""
+
+    path: Path
+    report: Report | None = None
+    error: str = ""
+    """Why it could not be read or run again."""
+
+    @property
+    def verdict(self) -> str:
+        """equal, differs or unreadable."""
+        if self.report is None:
+            return "unreadable"
+        return "equal" if self.report.equal else "differs"
+
+    @property
+    def table(self) -> dict[str, Any]:
+        """All of it by name."""
+        return {"path": self.path, "verdict": self.verdict, "error": self.error, "comparison": self.report}
+
+
+def exit_code(results: Sequence[Result]) -> int:
+    """0 where all are equal, 1 where one differs, 2 where one could not be read."""
+    return max((EXIT_CODES[result.verdict] for result in results), default=0)
+
+
+def table(results: Sequence[Result]) -> Iterator[str]:
+    """One line a file, then what differs, file by file."""
+    width = max((len(str(result.path)) for result in results), default=0)
+    for result in results:
+        yield printable(f"{result.verdict:10s}  {result.path!s:{width}s}  {_summary(result)}".rstrip())
+    for result in results:
+        if result.report is not None and not result.report.equal:
+            yield ""
+            yield printable(f"{result.path}:")
+            yield from (f"  {line}" for line in lines(result.report, RECORDED))
+
+
+def _summary(result: Result) -> str:
+    if result.report is None:
+        return result.error
+    first = result.report.first
+    if first is not None:
+        return f"from {first.topic} on"
+    return result.report.stopped or f"{sum(stage.expected for stage in result.report.stages)} records"
+
+
+def lines(report: Report, names: Names) -> Iterator[str]:
+    """The first stage that differs in full, of the later ones how much; nothing where all is equal."""
+    first = report.first
+    for stage in report.stages:
+        if stage is first:
+            yield f"{stage.topic} differs first: {_counts(stage, names)}"
+            yield from (f"  {line}" for line in _mismatch(stage, names))
+        elif not stage.equal:
+            yield f"{stage.topic} differs too: {_counts(stage, names)}"
+    if report.stopped:
+        yield printable(f"{names[1]} the run stops: {report.stopped}")
+
+
+def _counts(stage: Stage, names: Names) -> str:
+    elements = f"{stage.elements} element{'s' * (stage.elements != 1)}"
+    if stage.expected == stage.found == 1:
+        return elements
+    if stage.expected == stage.found:
+        return f"{stage.differing} of {stage.expected} records, {elements}"
+    return f"{names[0]} {stage.expected}, {names[1]} {stage.found} records; {stage.differing} differ, {elements}"
+
+
+def _mismatch(stage: Stage, names: Names) -> Iterator[str]:
+    assert isinstance(stage.first, Mismatch)
+    if max(stage.expected, stage.found) > 1:
+        yield f"in record {stage.first.rank} of this stage:"
+    if not stage.first.differences:
+        yield f"only {names[0] if stage.expected > stage.found else names[1]}"
+    for difference in stage.first.differences:
+        yield printable(describe(difference, names))
+
+
+def describe(difference: Difference, names: Names) -> str:
+    """One line about a field: how many elements differ, the worst one, where it is, both values."""
+    worst = difference.worst
+    where = ", ".join(map(str, worst.index))
+    place = f" ({_place(worst)})" if worst.cell is not None else ""
+    at = f", {'worst' if worst.difference is not None else 'first'} at {where}{place}" if worst.index else ""
+    if worst.unit == "rows":
+        many, at = f"{difference.count} more or less", f", first parting at {where}{place}"
+    else:
+        many = f"{difference.count} of {difference.total} differ" if difference.total > 1 else "differs"
+    apart = "" if worst.difference is None else f", {worst.difference:.6g} {worst.unit}".rstrip() + " apart"
+    values = f"{names[0]} {_shown(worst.expected)}, {names[1]} {_shown(worst.found)}"
+    return f"{difference.field}: {many}{at}: {values}{apart}"
+
+
+def _place(worst: Worst) -> str:
+    assert worst.cell is not None
+    cell = ",".join(f"{value:g}" for value in worst.cell)
+    point = ",".join(f"{value:.3f}" for value in worst.place_m or ())
+    return f"cell {cell}; {point} m"
+
+
+def _shown(value: Value) -> str:
+    return "(" + ", ".join(map(str, value)) + ")" if isinstance(value, tuple) else str(value)
+
+
+def setting_line(setting: Setting, names: Names) -> str:
+    """One line about a setting that differs."""
+    values = (setting.expected, setting.found)
+    one, other = ("not set" if value is None else json.dumps(value, ensure_ascii=False) for value in values)
+    return printable(f"{setting.name}: {names[0]} {one}, {names[1]} {other}")
+
+
+def to_json(value: Any) -> str:
+    """Dataclasses, paths and numbers as JSON; infinities and nans, which JSON lacks, as text."""
+    return json.dumps(_plain(value), indent=1)
+
+
+def _plain(value: Any) -> Any:
+    if dataclasses.is_dataclass(value) and not isinstance(value, type):
+        return {field.name: _plain(getattr(value, field.name)) for field in dataclasses.fields(value)}
+    if isinstance(value, dict):
+        return {name: _plain(part) for name, part in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_plain(part) for part in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return str(value)
+    return str(value) if isinstance(value, Path) else value
+
+
+def junit(results: Sequence[Result]) -> bytes:
+    """JUnit XML: a test a file, a failure for one that differs, an error for one that could not be read."""
+    verdicts = [result.verdict for result in results]
+    counts = {"tests": len(results), "failures": verdicts.count("differs"), "errors": verdicts.count("unreadable")}
+    suite = ET.Element("testsuite", {"name": "vdoor verify"} | {name: str(count) for name, count in counts.items()})
+    for result in results:
+        case = ET.SubElement(suite, "testcase", classname="vdoor.verify", name=printable(str(result.path)))
+        if result.report is None:
+            ET.SubElement(case, "error", message=printable(result.error))
+        elif not result.report.equal:
+            failure = ET.SubElement(case, "failure", message=printable(_summary(result)))
+            failure.text = "\n".join(lines(result.report, RECORDED))
+    root = ET.Element("testsuites")
+    root.append(suite)
+    ET.indent(root)
+    return bytes(ET.tostring(root, encoding="utf-8", xml_declaration=True)) + b"\n"

@@ -1,0 +1,218 @@
+"""The finished map out of a recording or a result folder; nothing is run again."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vdoor.api import in_own_frame
+from vdoor.errors import RecordingError, VdoorError
+from vdoor.evaluate.label_files import read_labels, read_table
+from vdoor.export.geometry import area_m2
+from vdoor.export.report.story import Story
+from vdoor.formats.source import checked_resolution_m, shown
+from vdoor.frame import Frame
+from vdoor.method.final_doors import Doors
+from vdoor.method.final_map import Features, map_of, ranked
+from vdoor.pipeline import RECORDS
+from vdoor.record import TEXT
+from vdoor.recording.mcap import read_recording
+from vdoor.results.writing import NAMES, SCHEMA
+from vdoor.topology import KINDS, Door, TopologicalMap
+
+Ints = NDArray[np.int32]
+Feature = tuple[int, bool, tuple[float, float]]
+"""A corner feature: its room, whether it is convex, and where it lies."""
+
+
+@dataclass(frozen=True)
+class Finished:
+    """What a run ended with."""
+
+    topology: TopologicalMap
+    story: Story | None = None
+    """How the run came to it, where that was asked for."""
+    settings: Mapping[str, Any] = field(default_factory=dict)
+    """Of the run, as nested tables."""
+
+
+def read_finished(path: str | Path, *, story: bool = False) -> Finished:
+    """The map of a finished run: what an .mcap ends with, or a folder of `vdoor run --out`; how it came to it on wish.
+
+    Raises `VdoorError` where there is none, it is damaged, or its files do not belong together.
+    """
+    path = Path(path)
+    return read_result(path, story=story) if path.is_dir() else read_last(path, story=story)
+
+
+def files_of(path: Path) -> list[Path]:
+    """The files that `read_finished` reads, and those that belong to them."""
+    return [path / name for name in NAMES] if path.is_dir() else [path]
+
+
+def read_last(path: Path, *, story: bool = False) -> Finished:
+    """The map that a recording ends with."""
+    topic = "nothing"
+    recording = read_recording(path, types=RECORDS)
+    told = Story.of(recording.info) if story else None
+    for step, record in recording:
+        topic = record.topic
+        if isinstance(record, TopologicalMap):
+            return Finished(in_own_frame(record, recording.info.source), told, recording.info.settings)
+        if told:
+            told.write(step, record)
+    raise RecordingError(f"recording: wanted a run that is finished, found one that ends with {topic}: {path}")
+
+
+def read_result(folder: Path, *, story: bool = False) -> Finished:
+    """The map of a result folder: rooms from rooms.png, doors and corner features from map.json.
+
+    Areas, middles and polygons are taken from the label image by the same rules as when it was written. What a
+    recording alone knows, the edges of the initial map and the numbers of the corners, is -1.
+    """
+    for name in ("map.json", "rooms.png"):
+        if not (folder / name).is_file():
+            raise VdoorError(f"result: wanted a folder of `vdoor run --out`, found no {name} in it: {folder}")
+    document = read_table(folder / "map.json")
+    labels = read_labels(folder / "rooms.png").astype(np.int32)
+    with _naming(folder):
+        if document["schema"] != SCHEMA:
+            raise VdoorError(f"map.json: wanted schema {SCHEMA}, found {shown(document['schema'])}")
+        rooms = _rooms(document["rooms"], labels)
+        doors = [_door(table, rooms) for table in document["doors"]]
+        if [door.id for door in doors] != list(range(1, len(doors) + 1)):
+            raise VdoorError("map.json: wanted doors 1, 2, ... in order, found other ids")
+        features = [feature for table in document["rooms"] for feature in _features(table)]
+        names = {table["id"]: _text(table.get("name", "")) for table in document["rooms"]}
+        topology = _assembled(labels, _frame(document, labels.shape), doors, features, names)
+        _refuse_parts(topology)
+        annotations = document.get("annotations")
+        origin_cm = _point(annotations["own_origin_cm"]) if annotations else None
+        told = Story.of_result(folder, document, topology.frame) if story else None
+        topology = dataclasses.replace(topology, own_origin_cm=origin_cm)
+        return Finished(topology, told, dict(document["settings"]))
+
+
+def _assembled(
+    labels: Ints, frame: Frame, doors: Sequence[Door], features: Sequence[Feature], names: dict[int, str]
+) -> TopologicalMap:
+    rows = Doors(
+        edge=np.full(len(doors), -1, np.int32),
+        start_m=_points([door.start_m for door in doors]),
+        end_m=_points([door.end_m for door in doors]),
+        kind=np.array([KINDS.index(door.kind) for door in doors], np.uint8),
+        length_m=np.array([door.length_m for door in doors], np.float64),
+        width_m=np.array([door.width_m for door in doors], np.float64),
+        tilt_rad=_radians(np.array([door.tilt_deg for door in doors], np.float64)),
+        room_a=np.array([door.rooms[0] for door in doors], np.int32),
+        room_b=np.array([door.rooms[1] for door in doors], np.int32),
+    )
+    corners = Features(
+        room=np.array([room for room, _, _ in features], np.int32),
+        corner=np.full(len(features), -1, np.int32),
+        convex=np.array([convex for _, convex, _ in features], np.bool_),
+        point_m=_points([point_m for _, _, point_m in features]),
+    )
+    return map_of(labels, frame, rows, corners, names)
+
+
+def _frame(document: dict[str, Any], shape: tuple[int, ...]) -> Frame:
+    """Where the map lies, with the label image's own size, which the document has to agree with."""
+    size, origin = document["size"], document["origin"]
+    if (size["height"], size["width"]) != shape:
+        found = f"{shape[1]} x {shape[0]}"
+        raise VdoorError(f"rooms.png: wanted {shown(size['width'])} x {shown(size['height'])} cells, found {found}")
+    place = (_number(origin[key]) for key in ("x_m", "y_m", "yaw_rad"))
+    return Frame(shape[0], shape[1], checked_resolution_m(document["resolution_m"]), *place)
+
+
+def _rooms(tables: list[dict[str, Any]], labels: Ints) -> set[int]:
+    """Ids of the rooms, which rise in the document and are those of the label image."""
+    ids = [table["id"] for table in tables]
+    found = ranked(labels)[0].tolist()
+    if not found or ids != found or any(type(room) is not int for room in ids):
+        rooms = f"{len(ids)} rooms in map.json and {len(found)} in rooms.png"
+        raise VdoorError(f"result: wanted the same rooms in both, by rising id, found {rooms}")
+    return set(ids)
+
+
+def _door(table: dict[str, Any], rooms: set[int]) -> Door:
+    """A door of the document; an error where it joins no two rooms or is of no kind."""
+    one, other = table["rooms"]
+    if one not in rooms or other not in rooms or not one < other:
+        raise VdoorError(f"map.json: wanted two rooms for each door, the lower first, found {shown((one, other))}")
+    if table["kind"] not in KINDS:
+        raise VdoorError(f"map.json: wanted a door of kind {', '.join(KINDS)}, found {shown(table['kind'])}")
+    return Door(
+        id=table["id"],
+        rooms=(one, other),
+        start_m=_point(table["start_m"]),
+        end_m=_point(table["end_m"]),
+        length_m=_number(table["length_m"]),
+        width_m=_number(table["width_m"]),
+        tilt_deg=_number(table["tilt_deg"]),
+        kind=table["kind"],
+    )
+
+
+def _features(table: dict[str, Any]) -> Iterator[Feature]:
+    for corner in table["corners"]:
+        yield table["id"], corner["kind"] == "convex", _point(corner["point_m"])
+
+
+def _refuse_parts(topology: TopologicalMap) -> None:
+    """Raise `VdoorError` for a room in several parts, each with an outer ring of its own."""
+    for room in topology.rooms:
+        outer, *holes = (area_m2(ring) < 0 for ring in room.polygon_m)
+        if outer in holes:
+            raise VdoorError(f"rooms.png: wanted room {room.id} in one part, found several")
+
+
+def _radians(angle_deg: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Angles that are these very numbers when they are told in degrees, to the last bit."""
+    angle = np.radians(angle_deg)
+    for beside in (np.nextafter(angle, -np.inf), np.nextafter(angle, np.inf)):
+        angle = np.where(np.degrees(beside) == angle_deg, beside, angle)
+    return angle
+
+
+def _number(value: object) -> float:
+    if isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value):
+        return float(value)
+    raise VdoorError(f"map.json: wanted a finite number, found {shown(value)}")
+
+
+def _text(value: object) -> str:
+    if isinstance(value, str) and TEXT.fullmatch(value):
+        return value
+    raise VdoorError(f"map.json: wanted a room's name of at most 100 characters in a line, found {shown(value)}")
+
+
+def _point(values: Sequence[object]) -> tuple[float, float]:
+    x_m, y_m = values
+    return _number(x_m), _number(y_m)
+
+
+def _points(points_m: Sequence[tuple[float, float]]) -> NDArray[np.float64]:
+    return np.array(points_m, np.float64).reshape(-1, 2)
+
+
+@contextmanager
+def _naming(folder: Path) -> Iterator[None]:
+    """Put the folder behind errors, and make errors of what a document of another shape leads to."""
+    try:
+        yield
+    except VdoorError as error:
+        raise type(error)(f"{error}: {folder}") from error
+    except KeyError as error:
+        raise VdoorError(f"map.json: wanted the key {error.args[0]}, found none: {folder}") from error
+    except (TypeError, ValueError, OverflowError, IndexError, AttributeError) as error:
+        raise VdoorError(f"map.json: wanted what `vdoor run --out` writes, found something else: {folder}") from error

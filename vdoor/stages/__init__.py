@@ -1,1 +1,0 @@
-"""The stages of the method: one file a stage, its record, its settings, its algorithm."""
