@@ -462,7 +462,7 @@ def test_file_that_is_no_model_is_told_before_the_first_run(tmp_path: Path) -> N
 
 
 def test_model_is_a_row_of_its_own(tmp_path: Path) -> None:
-    shipped = Path(__file__).parent.parent / "vdoor" / "stages" / "door_score.json"
+    shipped = Path(__file__).parent.parent / "vdoor" / "method" / "scoring" / "door_score.json"
     file = Path(shutil.copy(shipped, tmp_path / "seed1.json"))
     _, (model,) = variants_with([file])
     assert model.name == "model seed1.json"
