@@ -14,8 +14,8 @@ from hypothesis import strategies as st
 from maps import CELL_M, MOVES, Cells, cells_drawn, drawn, law, moved, small_maps
 from scipy import ndimage
 
-from vdoor.baselines import ErodedSpace, ErodedSpacePipeline, GrownRooms, Narrows, Skeleton, VoronoiDoorsPipeline
-from vdoor.baselines.critical_lines import FATES, FindNarrows
+from vdoor.baselines import CriticalLines, ErodedSpace, ErodedSpacePipeline, GrownRooms, Skeleton, VoronoiDoorsPipeline
+from vdoor.baselines.critical_lines import FATES, FindCriticalLines
 from vdoor.baselines.voronoi_doors import CrossNarrows
 from vdoor.config import settings_of, with_settings
 from vdoor.emit import RunInfo, silent
@@ -37,7 +37,7 @@ from vdoor.topology import TopologicalMap
 VORONOI = VoronoiDoorsPipeline()
 ERODED = ErodedSpacePipeline()
 BOTH: dict[str, Any] = {"voronoi-doors": VORONOI, "eroded-space": ERODED}
-OWN_RECORDS = (Skeleton, Narrows, ErodedSpace, GrownRooms)
+OWN_RECORDS = (Skeleton, CriticalLines, ErodedSpace, GrownRooms)
 both = pytest.mark.parametrize("name", BOTH)
 
 TWO_ROOMS = """
@@ -140,7 +140,7 @@ def test_a_corridor_has_a_voronoi_door_across_its_middle_and_is_no_core_of_a_roo
 def test_a_wider_corridor_is_too_wide_for_a_door() -> None:
     lines = CORRIDOR.split()
     grid = OccupancyGrid.from_array(cells_drawn("\n".join([*lines[:3], *lines[2:]])), CELL_M)
-    narrows = record_of(Narrows, VORONOI, grid)
+    narrows = record_of(CriticalLines, VORONOI, grid)
     assert {FATES[fate] for fate in narrows.fate} == {"too wide"}
     assert not run(VORONOI, grid).doors
 
@@ -150,18 +150,18 @@ def test_walls_that_meet_in_a_corner_are_not_opposite() -> None:
     grid = drawn(TWO_ROOMS)
     simplified = SimplifyGrid()(grid)
     tip = Skeleton(cell=np.array([[2, 2]], np.int32), clearance_m=np.array([0.4]), frame=simplified.frame)
-    narrows = FindNarrows(apart_deg=170)(simplified, tip)
+    narrows = FindCriticalLines(apart_deg=170)(simplified, tip)
     assert [FATES[fate] for fate in narrows.fate] == ["one-sided"]
     assert narrows.start.tolist() == narrows.end.tolist() == [[0, 2]]
-    assert FindNarrows(apart_deg=90)(simplified, tip).end.tolist() == [[2, 0]]
-    assert FindNarrows(apart_deg=120)(simplified, tip).end.tolist() == [[4, 0]]  # 135 degrees apart
+    assert FindCriticalLines(apart_deg=90)(simplified, tip).end.tolist() == [[2, 0]]
+    assert FindCriticalLines(apart_deg=120)(simplified, tip).end.tolist() == [[4, 0]]  # 135 degrees apart
 
 
 def test_a_line_that_is_not_free_is_blocked_and_a_second_one_between_the_same_walls_a_duplicate() -> None:
     grid = drawn(TWO_ROOMS)
     simplified = SimplifyGrid()(grid)
     start, end = np.array([[3, 0], [4, 11], [8, 11]], np.int32), np.array([[3, 22], [8, 11], [4, 11]], np.int32)
-    narrows = Narrows(
+    narrows = CriticalLines(
         cell=start,
         clearance_m=np.full(3, 0.4),
         fate=np.full(3, FATES.index("narrow"), np.uint8),

@@ -67,7 +67,7 @@ def result(runs: Path, tmp_path: Path) -> Path:
 
 
 @pytest.mark.parametrize(
-    "writer", [writer for writer in WRITERS if "story" not in writer.takes], ids=lambda writer: writer.name
+    "writer", [writer for writer in WRITERS if "provenance" not in writer.takes], ids=lambda writer: writer.name
 )
 def test_recording_and_result_folder_give_the_same_files(writer: Any, runs: Path, tmp_path: Path) -> None:
     rooms = ["--room", "2"] if writer.needs_rooms else []

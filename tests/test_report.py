@@ -25,9 +25,9 @@ from shapely import Polygon
 from vdoor.emit import RunInfo
 from vdoor.errors import RecordingError, VdoorError
 from vdoor.export import Export, read_finished, to_report
-from vdoor.export.report import Story
 from vdoor.frame import Frame
 from vdoor.grid import OccupancyGrid, Source
+from vdoor.history.provenance import Provenance
 from vdoor.method.search.generation import Generation
 from vdoor.method.simplify import SimplifiedGrid
 from vdoor.record import Record, Spec
@@ -44,19 +44,19 @@ def told(page: str) -> Any:
     return json.loads(text)
 
 
-def story_of(name: str, **about: Any) -> Story:
-    """An example's run as it is told before any record."""
+def provenance_of(name: str, **about: Any) -> Provenance:
+    """An example's run as it is known before any record."""
     info = RunInfo(version="0.1.0", preset="paper", seed=0, settings={}, source=finished.grid(name).source)
-    return Story.of(RunInfo(**{**vars(info), **about}))
+    return Provenance.of(RunInfo(**{**vars(info), **about}))
 
 
-def small_story() -> tuple[Story, Any]:
+def small_provenance() -> tuple[Provenance, Any]:
     """A whole small run, and the map it ends with."""
     info, records = recorded.small_run()
-    story = Story.of(info)
+    provenance = Provenance.of(info)
     for step, record in enumerate(records):
-        story.write(step, record)
-    return story, records[-1]
+        provenance.run.write(step, record)
+    return provenance, records[-1]
 
 
 def rings(path: str) -> list[NDArray[np.float64]]:
@@ -94,24 +94,24 @@ def test_rooms_and_doors_are_those_of_the_map(name: str) -> None:
 
 
 def test_every_stage_has_a_layer() -> None:
-    story, topology = small_story()
-    page = told(to_report(topology, story))
+    provenance, topology = small_provenance()
+    page = told(to_report(topology, provenance))
     assert [layer["id"] for layer in page["layers"]] == STAGES.split()
     assert page["curve"]["number"] == [0, 1, 2, 3]
-    assert page["curve"]["best"] == [story.search[number].best_cost for number in range(4)]
+    assert page["curve"]["best"] == [provenance.run.search[number].best_cost for number in range(4)]
     assert {(stage, name): value for stage, name, value in page["settings"]}["search", "generations"] == "3"
     assert ["generation", "number", "3"] in page["numbers"]
 
 
 def test_pictures_lie_on_the_cells_they_show() -> None:
     grid = finished.grid("slit")
-    story = story_of("slit")
-    story.write(0, grid)
+    provenance = provenance_of("slit")
+    provenance.run.write(0, grid)
     coarse = OccupancyGrid.from_array(grid.cells[::2, ::2], 2 * grid.frame.resolution_m)
     reason = np.zeros(coarse.cells.shape, np.uint8)
     reason[3, 5] = 1
-    story.write(1, SimplifiedGrid(cells=coarse.cells, reason=reason, factor=2, frame=coarse.frame))
-    page = told(to_report(finished.topology("slit"), story))
+    provenance.run.write(1, SimplifiedGrid(cells=coarse.cells, reason=reason, factor=2, frame=coarse.frame))
+    page = told(to_report(finished.topology("slit"), provenance))
     layers = {layer["id"]: layer for layer in page["layers"]}
     height, width = grid.cells.shape
     whole = {"x": 0.0, "y": 0.0, "width": width, "height": height}
@@ -124,24 +124,24 @@ def test_pictures_lie_on_the_cells_they_show() -> None:
 
 
 def test_flips_lead_to_the_choice_of_every_generation() -> None:
-    story, topology = small_story()
-    curve = told(to_report(topology, story))["curve"]
+    provenance, topology = small_provenance()
+    curve = told(to_report(topology, provenance))["curve"]
     removed: set[int] = set()
     for number, flips in enumerate(curve["flips"]):
         removed ^= set(flips)
-        assert removed == set(np.flatnonzero(story.search[number].removed).tolist())
+        assert removed == set(np.flatnonzero(provenance.run.search[number].removed).tolist())
 
 
 def test_a_long_search_is_thinned_out_but_for_what_it_found() -> None:
-    story, topology = small_story()
-    last = story.search[-1]
+    provenance, topology = small_provenance()
+    last = provenance.run.search[-1]
     better = {1, 7, 1234, 4321}
     cost = 9.0
     for number in range(4, 5000):
         cost -= number in better
         fields = {**vars(last), "number": number, "best_cost": cost, "worst_cost": float("inf")}
-        story.write(number, Generation(**fields))
-    curve = told(to_report(topology, story))["curve"]
+        provenance.run.write(number, Generation(**fields))
+    curve = told(to_report(topology, provenance))["curve"]
     assert 1000 <= len(curve["number"]) <= 1010
     assert {7, 1234, 4321, 0, 4999} <= set(curve["number"])
     assert curve["worst"][-1] is None
@@ -170,16 +170,16 @@ class Bare(Record):
 
 
 def test_records_nobody_has_drawn_for_are_drawn_by_their_specs() -> None:
-    story, topology = small_story()
+    provenance, topology = small_provenance()
     frame = topology.frame
     heat = np.zeros((frame.height, frame.width), np.int32)
     heat[2, 3] = 700
     place = np.array([[2, 3], [4, 5]], np.int32)
     kind, size, many = np.array([0, 1], np.uint8), np.array([0.5, np.nan]), np.zeros((2, 3))
     strange = Strange(heat=heat, place=place, kind=kind, size=size, many=many, share=12.5, frame=frame)
-    story.write(98, strange)
-    story.write(99, Bare(gap=float("inf")))
-    page = told(to_report(topology, story))
+    provenance.run.write(98, strange)
+    provenance.run.write(99, Bare(gap=float("inf")))
+    page = told(to_report(topology, provenance))
     layers = {layer["id"]: layer for layer in page["layers"]}
     assert np.argwhere(picture(layers["strange_record-heat"])[:, :, 3]).tolist() == [[2, 3]]
     spots = layers["strange_record-spot"]["shapes"]
@@ -193,19 +193,19 @@ def test_records_nobody_has_drawn_for_are_drawn_by_their_specs() -> None:
 
 
 def test_records_that_do_not_fit_together_are_refused() -> None:
-    story, topology = small_story()
+    provenance, topology = small_provenance()
     with pytest.raises(RecordingError, match="second"):
-        story.write(99, next(iter(story.records.values())))
-    wide, _ = small_story()
-    wide.search.__init__()  # type: ignore[misc]  # a search over another number of doors
-    wide.write(99, Generation(**{**vars(story.search[0]), "removed": np.zeros(77, np.bool_)}))
+        provenance.run.write(99, next(iter(provenance.records)))
+    wide, _ = small_provenance()
+    wide.run.search.__init__()  # type: ignore[misc]  # a search over another number of doors
+    wide.run.write(99, Generation(**{**vars(provenance.run.search[0]), "removed": np.zeros(77, np.bool_)}))
     with pytest.raises(RecordingError, match="found 77"):
         to_report(topology, wide)
 
 
 def test_result_folder_tells_of_map_rooms_doors_and_settings(tmp_path: Path) -> None:
     folder = finished.result("pillars", tmp_path / "result")
-    page = to_report(finished.topology("pillars"), read_finished(folder, story=True).story)
+    page = to_report(finished.topology("pillars"), read_finished(folder, provenance=True).provenance)
     assert [layer["id"] for layer in told(page)["layers"]] == ["input"]
     assert np.array_equal(picture(told(page)["layers"][0])[:, :, 0] > 200, finished.grid("pillars").free)
     assert told(page)["curve"] is None
@@ -224,17 +224,17 @@ def test_a_spoilt_map_json_is_refused_by_its_folder(key: str, value: object, tmp
         del document[key]
     (folder / "map.json").write_text(json.dumps(document))
     with pytest.raises(VdoorError, match=f"{folder}$"):
-        read_finished(folder, story=True)
+        read_finished(folder, provenance=True)
 
 
 def test_a_map_of_another_size_is_refused(tmp_path: Path) -> None:
     folder = finished.result("one room", tmp_path / "result")
     Image.fromarray(np.zeros((3, 4), np.uint8)).save(folder / "grid.png")
     with pytest.raises(VdoorError, match=f"found 4 x 3: {folder}$"):
-        read_finished(folder, story=True)
+        read_finished(folder, provenance=True)
     (folder / "grid.png").unlink()
     with pytest.raises(VdoorError, match=r"grid\.png"):
-        read_finished(folder, story=True)
+        read_finished(folder, provenance=True)
 
 
 @pytest.mark.parametrize("value", [float("nan"), "\ud800", "\x1b[2J", {"deep": [{}]}, "</script>"])
@@ -245,15 +245,15 @@ def test_any_setting_can_be_told(value: object, tmp_path: Path) -> None:
     document["source"]["files"] = [{"name": value, "sha256": "0"}]
     (folder / "map.json").write_text(json.dumps(document))
     out = tmp_path / "page.html"
-    for path in Export.parse(f"report={out}").write(read_finished(folder, story=True)):
+    for path in Export.parse(f"report={out}").write(read_finished(folder, provenance=True)):
         page = path.read_text()
     assert len(told(page)["settings"]) == 2
     assert "\x1b" not in page
 
 
 def test_page_names_nothing_outside_itself() -> None:
-    story, topology = small_story()
-    page = to_report(topology, story)
+    provenance, topology = small_provenance()
+    page = to_report(topology, provenance)
     assert not re.search(r"""(src|href|action|url|@import)\s*[=(]\s*["']?(?!data:|told|each)[\w./]""", page)
     assert set(re.findall(r"https?://[^\s\"']*", page)) == {"http://www.w3.org/2000/svg"}
     assert "default-src &#x27;none&#x27;" in html.escape(page)
@@ -419,13 +419,13 @@ def test_page_fits_narrow_and_wide_windows(width: int, opened: Browser) -> None:
 
 def test_hostile_names_stay_text(window: Browser, tmp_path: Path) -> None:
     source = Source(((HOSTILE, b""),), {})
-    story = story_of("flat", preset=HOSTILE, settings={HOSTILE: {HOSTILE: HOSTILE}}, source=source)
-    story.write(0, finished.grid("flat"))
+    provenance = provenance_of("flat", preset=HOSTILE, settings={HOSTILE: {HOSTILE: HOSTILE}}, source=source)
+    provenance.run.write(0, finished.grid("flat"))
     topology, name = finished.topology("flat"), HOSTILE.replace("\u202e", "")
     x_m, y_m = topology.room(1).centre_m
     topology = topology.edited([f"name {x_m:.3f},{y_m:.3f} {name}"])
     path = tmp_path / "hostile.html"
-    path.write_text(to_report(topology, story), "utf-8")
+    path.write_text(to_report(topology, provenance), "utf-8")
     window.requests.clear()
     window.problems.clear()
     window.open(path)
@@ -456,7 +456,7 @@ def test_scripts_of_others_are_not_run(window: Browser, page: Path, tmp_path: Pa
 def test_result_folders_and_maps_without_doors_open_too(name: str, window: Browser, tmp_path: Path) -> None:
     path = tmp_path / "page.html"
     folder = finished.result(name, tmp_path / "result")
-    Export.parse(f"report={path}").write(read_finished(folder, story=True))
+    Export.parse(f"report={path}").write(read_finished(folder, provenance=True))
     window.requests.clear()
     window.problems.clear()
     window.open(path)

@@ -18,7 +18,7 @@ from vdoor.explain.corners import sample_fate
 from vdoor.explain.doors import door_fate
 from vdoor.explain.text import to_lines
 from vdoor.history import History
-from vdoor.history.convergence import Course
+from vdoor.history.convergence import ConvergenceHistory
 from vdoor.method.corners import Corners, cosine, gaps_m
 from vdoor.method.doors import VERDICTS, VirtualDoors
 from vdoor.method.search.costs import MapCost
@@ -188,13 +188,13 @@ def test_cost_of_a_flip_is_what_annealing_reckons(apartment: History) -> None:
 
 def test_last_change_is_the_generation_from_which_on_the_best_string_keeps_the_bit(two_rooms: Path) -> None:
     run = history(two_rooms)
-    course = Course()
+    course = ConvergenceHistory()
     for number, bit in enumerate([True, False, False, True, False, False]):
         course.add(dataclasses.replace(run.search[0], number=number, removed=np.array([bit])))
     search = door_fate(dataclasses.replace(run, search=course), 0).search
     assert search is not None
     assert (search.last_change, search.changes, search.last_generation, search.removed) == (4, 3, 5, False)
-    never = Course()
+    never = ConvergenceHistory()
     never.add(dataclasses.replace(run.search[0], number=0, removed=np.array([True])))
     search = door_fate(dataclasses.replace(run, search=never), 0).search
     assert search is not None
@@ -203,7 +203,7 @@ def test_last_change_is_the_generation_from_which_on_the_best_string_keeps_the_b
 
 def test_course_gives_back_every_generation(apartment: History) -> None:
     rng = np.random.default_rng(0)
-    made, course = [], Course()
+    made, course = [], ConvergenceHistory()
     for number in range(20):
         one = dataclasses.replace(
             apartment.search[0], number=number, removed=rng.random(13) < 0.5, mean_cost=rng.random()

@@ -112,6 +112,13 @@ def opened(outputs: Outputs, info: RunInfo) -> Iterator[Opened]:
 
 
 @contextmanager
+def both_recordings(folder: Path, info: RunInfo) -> Iterator[list[Sink]]:
+    """The sinks of an .rrd and an .mcap in a folder."""
+    with opened(Outputs(save=folder / "run.rrd", mcap=folder / "run.mcap"), info) as recordings:
+        yield recordings.sinks
+
+
+@contextmanager
 def interruptible() -> Iterator[None]:
     """Turn SIGTERM and Ctrl-C into `Interrupted` within the block."""
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from vdoor.baselines import ErodedSpace, ErodedSpacePipeline, GrownRooms, Narrows, Skeleton, VoronoiDoorsPipeline
+from vdoor.baselines import CriticalLines, ErodedSpace, ErodedSpacePipeline, GrownRooms, Skeleton, VoronoiDoorsPipeline
 from vdoor.config import with_settings
 from vdoor.editing.apply import EditRooms, Edits
 from vdoor.emit import Emit, RunInfo, silent
@@ -40,7 +40,7 @@ RECORDS: tuple[type[Record], ...] = (
     OccupancyGrid,
     SimplifiedGrid,
     Skeleton,
-    Narrows,
+    CriticalLines,
     BoundaryPath,
     Curvature,
     Candidates,
@@ -94,7 +94,7 @@ class Pipeline:
     @property
     def records(self) -> tuple[type[Record], ...]:
         """What a run emits, in this order."""
-        left_out: set[type[Record]] = {Skeleton, Narrows, ErodedSpace, GrownRooms}
+        left_out: set[type[Record]] = {Skeleton, CriticalLines, ErodedSpace, GrownRooms}
         left_out |= {DoorScores} if isinstance(self.score, NoScores) else set()
         proven = isinstance(self.certify, BoundEnergy) and isinstance(self.cost, DoorEnergy)
         left_out |= set() if proven else {Certificate}

@@ -44,6 +44,11 @@ class Spec:
         names of the axes; equal names have equal length within a record, a number is itself
     tolerance
         how far two runs on different machines may differ, in `unit`; 0 means bit for bit
+    of
+        a table of another record, or this one, by one of its columns, as in `doors.start`: what the values of a column
+        number the rows of, and what cells and bits have a row each for
+    or_none
+        whether a column that numbers rows may hold -1 for none of them
     """
 
     kind: Kind
@@ -51,6 +56,8 @@ class Spec:
     unit: str = ""
     words: tuple[str, ...] = ()
     tolerance: float = 0.0
+    of: str = ""
+    or_none: bool = False
 
     @property
     def axes(self) -> tuple[str, ...]:

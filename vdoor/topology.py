@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 from typing import Annotated, ClassVar
 
 import networkx as nx
@@ -17,7 +18,8 @@ from vdoor.record import Record, Spec
 
 KINDS = ("pair", "single", "passage", "extension", "added")
 """Kinds of doors, as `Door.kind` describes them."""
-Polygon = tuple[tuple[tuple[float, float], ...], ...]
+Ring = tuple[tuple[float, float], ...]
+Polygon = tuple[Ring, ...]
 
 
 @dataclass(frozen=True)
@@ -84,7 +86,7 @@ class TopologicalMap(Record):
     area_m2: Annotated[NDArray[np.float64], Spec("column", "room", unit="m2", tolerance=1e-9)]
     name: Annotated[tuple[str, ...], Spec("text", "room")] = ()
     """What people call the rooms, empty where nobody said; none at all where no room has a name."""
-    edge: Annotated[NDArray[np.int32], Spec("column", "door")]
+    edge: Annotated[NDArray[np.int32], Spec("column", "door", of="initial_map.door", or_none=True)]
     """Edge of the initial map, -1 for a passage too narrow for the working resolution."""
     start_m: Annotated[NDArray[np.float64], Spec("column", "door 2", unit="m", tolerance=1e-9)]
     end_m: Annotated[NDArray[np.float64], Spec("column", "door 2", unit="m", tolerance=1e-9)]
@@ -235,3 +237,12 @@ class TopologicalMap(Record):
 
 def _point(row: NDArray[np.float64]) -> tuple[float, float]:
     return float(row[0]), float(row[1])
+
+
+def signed_area_m2(ring: Ring) -> float:
+    """Signed area within a closed ring: positive where it runs counter-clockwise, seen with y up."""
+    x_m, y_m = ring[0]  # about the first vertex: far from the origin the products would eat the area's digits
+    doubled_m2 = sum(
+        (ax_m - x_m) * (by_m - y_m) - (bx_m - x_m) * (ay_m - y_m) for (ax_m, ay_m), (bx_m, by_m) in pairwise(ring)
+    )
+    return doubled_m2 / 2

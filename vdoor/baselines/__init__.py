@@ -4,9 +4,9 @@ The paper's reference [8] divides a map by virtual doors that it finds with a ge
 configuration space. Its details are not known here, so each idea is a baseline of its own.
 """
 
-from vdoor.baselines.critical_lines import Narrows
+from vdoor.baselines.critical_lines import CriticalLines
 from vdoor.baselines.eroded_space import ErodedSpace, ErodedSpacePipeline, GrownRooms
 from vdoor.baselines.skeleton import Skeleton
 from vdoor.baselines.voronoi_doors import VoronoiDoorsPipeline
 
-__all__ = ["ErodedSpace", "ErodedSpacePipeline", "GrownRooms", "Narrows", "Skeleton", "VoronoiDoorsPipeline"]
+__all__ = ["CriticalLines", "ErodedSpace", "ErodedSpacePipeline", "GrownRooms", "Skeleton", "VoronoiDoorsPipeline"]

@@ -29,7 +29,7 @@ EPSILON = 1e-9
 AROUND = np.ones((3, 3), np.bool_)
 
 
-class Narrows(Record):
+class CriticalLines(Record):
     """Local minima of the skeleton's clearance and the walls nearest to them; the rejected ones say why."""
 
     topic: ClassVar[str] = "narrows"
@@ -45,7 +45,7 @@ class Narrows(Record):
 
 
 @dataclass(frozen=True, kw_only=True)
-class FindNarrows:
+class FindCriticalLines:
     """Keep the skeleton's narrowest points, where there are walls on opposite sides."""
 
     within_m: Annotated[float, Within(0, 100)] = 0.5
@@ -55,7 +55,7 @@ class FindNarrows:
     apart_deg: Annotated[float, Within(0, 180)] = 120.0
     """Walls are on opposite sides if they are seen so far apart."""
 
-    def __call__(self, simplified: SimplifiedGrid, skeleton: Skeleton) -> Narrows:
+    def __call__(self, simplified: SimplifiedGrid, skeleton: Skeleton) -> CriticalLines:
         """In reading order; of points of equal clearance that follow each other the middle one stands for all."""
         cell_m = skeleton.frame.resolution_m
         clearance_m = np.full(simplified.cells.shape, np.inf)
@@ -69,7 +69,7 @@ class FindNarrows:
         fate = np.full(len(cell), NARROW, np.uint8)
         fate[(start == end).all(axis=1)] = FATES.index("one-sided")
         fate[wide | (np.hypot(*(end - start).T) * cell_m > self.max_length_m + EPSILON)] = FATES.index("too wide")
-        return Narrows(
+        return CriticalLines(
             cell=cell,
             clearance_m=clearance_m[tuple(cell.T)],
             fate=fate,

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from vdoor.baselines.critical_lines import NARROW, FindNarrows, Narrows
+from vdoor.baselines.critical_lines import NARROW, CriticalLines, FindCriticalLines
 from vdoor.baselines.plain import without_corners
 from vdoor.baselines.skeleton import DrawSkeleton, Skeleton
 from vdoor.editing.apply import EditRooms, Edits
@@ -30,7 +30,7 @@ KIND = KINDS.index("pair")  # a door between two places, though they are no corn
 class CrossNarrows:
     """Lay a virtual door across each narrow place, from wall to wall."""
 
-    def __call__(self, simplified: SimplifiedGrid, narrows: Narrows) -> VirtualDoors:
+    def __call__(self, simplified: SimplifiedGrid, narrows: CriticalLines) -> VirtualDoors:
         """One for each narrow place with walls on both sides, in their order; corners are -1."""
         free = simplified.cells == FREE
         rows = np.flatnonzero(narrows.fate == NARROW)
@@ -65,7 +65,7 @@ class VoronoiDoorsPipeline:
 
     simplify: SimplifyGrid = field(default_factory=SimplifyGrid)
     skeleton: DrawSkeleton = field(default_factory=DrawSkeleton)
-    narrows: FindNarrows = field(default_factory=FindNarrows)
+    narrows: FindCriticalLines = field(default_factory=FindCriticalLines)
     cross: CrossNarrows = field(default_factory=CrossNarrows)
     divide: DivideRooms = field(default_factory=DivideRooms)
     cost: MapCost = field(default_factory=MapCost)
@@ -79,7 +79,7 @@ class VoronoiDoorsPipeline:
             OccupancyGrid,
             SimplifiedGrid,
             Skeleton,
-            Narrows,
+            CriticalLines,
             VirtualDoors,
             InitialMap,
             Generation,

@@ -14,7 +14,7 @@ from vdoor.errors import VdoorError
 if TYPE_CHECKING:
     from vdoor.emit import RunInfo, Sink
     from vdoor.export import Export
-    from vdoor.export.report import Story
+    from vdoor.history.provenance import Provenance
     from vdoor.topology import TopologicalMap
 
 
@@ -49,7 +49,7 @@ def export(
 
     wanted = Export(writer_named(to), out, tuple(room or ()))
     refuse_files([wanted], force=force, read=files_of(result))
-    finished = read_finished(result, story=wanted.tells)
+    finished = read_finished(result, provenance=wanted.takes_provenance)
     try:
         content = wanted.content(finished)
     except VdoorError as error:
@@ -66,7 +66,7 @@ class RunExports:
 
     def __init__(self, texts: Sequence[str]) -> None:
         self.all: list[Export] = []
-        self._story: Story | None = None
+        self._provenance: Provenance | None = None
         if texts:
             from vdoor.export import Export  # takes a second
 
@@ -79,12 +79,12 @@ class RunExports:
 
     def sinks(self, info: RunInfo) -> list[Sink]:
         """What has to see the records of the run, if any export tells of them."""
-        if not any(item.tells for item in self.all):
+        if not any(item.takes_provenance for item in self.all):
             return []
-        from vdoor.export.report import Story
+        from vdoor.history.provenance import Provenance
 
-        self._story = Story.of(info)
-        return [self._story]
+        self._provenance = Provenance.of(info)
+        return [self._provenance.run]
 
     def write(self, topology: TopologicalMap, map_file: Path) -> VdoorError | None:
         """Write all that this map has; why not, for the first that it has not."""
@@ -92,7 +92,7 @@ class RunExports:
             return None
         from vdoor.export import Finished
 
-        finished = Finished(topology, self._story)
+        finished = Finished(topology, self._provenance)
         refused = None
         for item in self.all:
             try:

@@ -56,10 +56,13 @@ def bench(
 ) -> None:
     """Measure CPU seconds of the method, stage by stage."""
     from vdoor.experiments import benchmark
+    from vdoor.outputs import both_recordings
 
     pipeline = chosen_pipeline(preset, None, set_)
     grids = {path.name: read_grid(path, resolution, None, 100_000_000, quiet=True) for path in maps or ()}
-    for report in benchmark.measured(grids or benchmark.own_maps(), pipeline, tile=tile, record=record):
+    for report in benchmark.measured(
+        grids or benchmark.own_maps(), pipeline, tile=tile, record=both_recordings if record else None
+    ):
         print(report.to_json() if as_json else report.to_text())
 
 

@@ -6,20 +6,22 @@ import json
 import resource
 import tempfile
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import numpy as np
 
 from vdoor.api import prepared
-from vdoor.emit import Emit, Recorder, RunInfo, Stopwatch, silent
+from vdoor.emit import Emit, Recorder, RunInfo, Sink, Stopwatch, silent
 from vdoor.grid import FREE, UNKNOWN, OccupancyGrid
 from vdoor.method.simplify import SimplifyGrid
-from vdoor.outputs import Outputs, opened
 from vdoor.pipeline import AnyPipeline
 from vdoor.synth import PRESETS, synthesize
 
+OpenRecordings = Callable[[Path, RunInfo], AbstractContextManager[Sequence[Sink]]]
+"""Opens both recordings of a run in a folder."""
 LANE_M = 1.0
 
 
@@ -52,8 +54,10 @@ class Report:
         return "\n".join(lines)
 
 
-def measured(grids: Mapping[str, OccupancyGrid], pipeline: AnyPipeline, *, tile: int, record: bool) -> Iterator[Report]:
-    """Run each map once, after a small one that warms up the libraries."""
+def measured(
+    grids: Mapping[str, OccupancyGrid], pipeline: AnyPipeline, *, tile: int, record: OpenRecordings | None
+) -> Iterator[Report]:
+    """Run each map once, after a small one that warms up the libraries, and once more with `record` open."""
     for grid in own_maps().values():
         pipeline(grid, np.random.default_rng(0), silent)
     for name, single in grids.items():
@@ -64,7 +68,7 @@ def measured(grids: Mapping[str, OccupancyGrid], pipeline: AnyPipeline, *, tile:
         topology = there(grid, np.random.default_rng(0), watch)
         total_s = time.process_time() - start_s
         peak_mb = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
-        adds = (recorded_s(grid, there) - total_s) / total_s if record else None
+        adds = (recorded_s(grid, there, record) - total_s) / total_s if record else None
         yield Report(
             name=name,
             cells=(grid.frame.height, grid.frame.width),
@@ -77,13 +81,12 @@ def measured(grids: Mapping[str, OccupancyGrid], pipeline: AnyPipeline, *, tile:
         )
 
 
-def recorded_s(grid: OccupancyGrid, pipeline: AnyPipeline) -> float:
+def recorded_s(grid: OccupancyGrid, pipeline: AnyPipeline, record: OpenRecordings) -> float:
     """CPU seconds of the same run with both recordings; opening the files, with its imports, is left out."""
     info = RunInfo(version="", preset="bench", seed=0, settings={}, source=grid.source)
     with tempfile.TemporaryDirectory() as folder:
-        outputs = Outputs(save=Path(folder) / "bench.rrd", mcap=Path(folder) / "bench.mcap")
-        with opened(outputs, info) as recording:
-            emit: Emit = Recorder(recording.sinks)
+        with record(Path(folder), info) as sinks:
+            emit: Emit = Recorder(sinks)
             start_s = time.process_time()
             pipeline(grid, np.random.default_rng(0), emit)
         return time.process_time() - start_s

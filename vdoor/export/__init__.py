@@ -70,7 +70,7 @@ WRITERS = (
     Writer("virtual-walls", to_virtual_walls, takes=("rooms",)),
     Writer("rmf", to_rmf),
     Writer("svg", to_svg),
-    Writer("report", to_report, takes=("story",)),
+    Writer("report", to_report, takes=("provenance",)),
 )
 
 
@@ -122,13 +122,13 @@ class Export:
         return [self.path, self.path.with_suffix(".yaml")] if self.writer.image else [self.path]
 
     @property
-    def tells(self) -> bool:
+    def takes_provenance(self) -> bool:
         """Whether it tells how the run came to the map, see `read_finished`."""
-        return "story" in self.writer.takes
+        return "provenance" in self.writer.takes
 
     def content(self, finished: Finished) -> str | Raster:
         """The text or image; `VdoorError` where this map does not have it."""
-        choices = {"rooms": self.rooms, "story": finished.story}
+        choices = {"rooms": self.rooms, "provenance": finished.provenance}
         return self.writer.write(finished.topology, **{name: choices[name] for name in self.writer.takes})
 
     def put(self, content: str | Raster) -> list[Path]:

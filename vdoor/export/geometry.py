@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import math
-from itertools import pairwise
 
 import numpy as np
 
-from vdoor.topology import Door, Polygon, TopologicalMap
+from vdoor.topology import Door, Polygon, TopologicalMap, signed_area_m2
 
 Point = tuple[float, float]
 Line = tuple[Point, Point]
-Ring = tuple[Point, ...]
 
 
 def line_m(topology: TopologicalMap, door: Door) -> Line:
@@ -34,17 +32,9 @@ def line_m(topology: TopologicalMap, door: Door) -> Line:
     return (x_m, y_m), (to_x_m, to_y_m)
 
 
-def area_m2(ring: Ring) -> float:
-    """Signed area within a closed ring: positive where it runs counter-clockwise, seen with y up."""
-    x_m, y_m = ring[0]  # about the first vertex: far from the origin the products would eat the area's digits
-    doubled_m2 = sum(
-        (ax_m - x_m) * (by_m - y_m) - (bx_m - x_m) * (ay_m - y_m) for (ax_m, ay_m), (bx_m, by_m) in pairwise(ring)
-    )
-    return doubled_m2 / 2
-
-
 def right_handed(polygon_m: Polygon) -> Polygon:
     """The same rings, the outer one counter-clockwise and holes clockwise, as RFC 7946 wants them."""
     return tuple(
-        ring if (area_m2(ring) > 0) == (index == 0) else tuple(reversed(ring)) for index, ring in enumerate(polygon_m)
+        ring if (signed_area_m2(ring) > 0) == (index == 0) else tuple(reversed(ring))
+        for index, ring in enumerate(polygon_m)
     )

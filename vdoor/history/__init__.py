@@ -3,64 +3,34 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Protocol, TypeVar
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from vdoor.baselines import ErodedSpace, GrownRooms, Narrows, Skeleton, VoronoiDoorsPipeline
-from vdoor.editing.apply import Edits
+from vdoor.baselines import VoronoiDoorsPipeline
 from vdoor.emit import RunInfo
 from vdoor.errors import RecordingError
 from vdoor.grid import OccupancyGrid
-from vdoor.history.convergence import Course
-from vdoor.method.boundary import BoundaryPath
-from vdoor.method.corners import Candidates, Corners
-from vdoor.method.curvature import Curvature
-from vdoor.method.doors import VirtualDoors
+from vdoor.history.records import SEARCH, STAGES, RunRecords
 from vdoor.method.final_map import merged
-from vdoor.method.initial_map import InitialMap
 from vdoor.method.scoring.score import DoorScores
-from vdoor.method.search.certificate import Certificate
 from vdoor.method.search.costs import Cost, Term
-from vdoor.method.search.generation import Generation
 from vdoor.method.search.problem import MergeProblem
-from vdoor.method.simplify import SimplifiedGrid
 from vdoor.pipeline import RECORDS, AnyPipeline, Pipeline, recorded
-from vdoor.record import Record
+from vdoor.record import Record, specs
 from vdoor.topology import TopologicalMap
 
-R = TypeVar("R", bound=Record)
-
-STAGES = tuple(record.topic for record in RECORDS)
-SEARCH = Generation.topic
-
-REFERENCES = (
-    ("curvature.cell", "path.cell", None),
-    ("candidates.sample", "path.cell", 0),
-    ("corners.sample", "path.cell", 0),
-    ("path.contour", "path.first", 0),
-    ("path.first", "path.cell", 0),
-    ("doors.corner_start", "corners.sample", 0),
-    ("doors.corner_end", "corners.sample", -1),
-    ("doors.line_door", "doors.start", 0),
-    ("door_scores.door", "doors.start", 0),
-    ("door_scores.rival_a", "door_scores.door", 0),
-    ("door_scores.rival_b", "door_scores.door", 0),
-    ("initial_map.door", "doors.start", 0),
-    ("initial_map.idle_door", "doors.start", 0),
-    ("initial_map.border_edge", "initial_map.door", 0),
-    ("initial_map.border_region", "initial_map.area_m2", 0),
-    ("initial_map.cover_edge", "initial_map.door", 0),
-    ("initial_map.cover_atom", "initial_map.atom_area_m2", 0),
-    ("generation.removed", "initial_map.door", None),
-    ("map.edge", "initial_map.door", -1),
+REFERENCES = tuple(
+    (f"{record.topic}.{name}", spec) for record in RECORDS for name, (spec, _) in specs(record).items() if spec.of
 )
-"""Columns that count the rows of another: each value from the number given up to the other's length, or, where that
-is None, the two are equally long."""
+"""Columns that number the rows of a table."""
+
+
+__all__ = ["SEARCH", "STAGES", "History", "Recorded", "RunRecords"]
 
 
 class Recorded(Protocol):
@@ -81,19 +51,14 @@ class Recorded(Protocol):
         ...
 
 
-@dataclass(frozen=True)
-class History:
+@dataclass(frozen=True, kw_only=True)
+class History(RunRecords):
     """A run as far as it was recorded."""
 
     file: Path
     info: RunInfo
     method: AnyPipeline
     """The method with the settings of this run."""
-    records: dict[str, Record] = field(default_factory=dict)
-    """Every stage's record by its topic, but for the search."""
-    steps: dict[str, int] = field(default_factory=dict)
-    """Step of every stage, of the first generation for the search."""
-    search: Course = field(default_factory=Course)
     damage: str = ""
     """What ended the recording before its end; empty where it is whole."""
 
@@ -101,11 +66,11 @@ class History:
     def read(cls, recording: Recorded) -> History:
         """All of a recording that is whole; `RecordingError` where nothing is, or its records do not fit together."""
         pipeline = recorded(recording.info)
-        history = cls(recording.path, recording.info, pipeline)
+        history = cls(file=recording.path, info=recording.info, method=pipeline)
         damage = ""
         try:
             for step, record in recording:
-                history.add(step, record)
+                history.write(step, record)
         except RecordingError as error:
             damage = str(error)
         if OccupancyGrid.topic not in history.steps:
@@ -131,27 +96,17 @@ class History:
         """What the cost of a generation's best string is made of, with the weights for this map."""
         return self.problem.terms(self.search[generation].removed)
 
-    def add(self, step: int, record: Record) -> None:
-        """Take one more record; `RecordingError` for a second one of a stage that has but one."""
-        if record.topic in self.records:
-            raise RecordingError(f"step {step}: a second record of {record.topic}: {self.file}")
-        self.steps.setdefault(record.topic, step)
-        if isinstance(record, Generation):
-            self.search.add(record)
-        else:
-            self.records[record.topic] = record
-
     def check(self) -> None:
         """Raise `RecordingError` where a column counts rows that are not there, or two frames should be one."""
-        for column, target, lowest in REFERENCES:
-            values, rows = self._column(column), self._column(target)
+        for column, spec in REFERENCES:
+            values, rows = self._column(column), self._column(spec.of)
             if values is None or rows is None:
                 continue
             good = len(values) == len(rows)
-            if lowest is not None:
-                good = not len(values) or bool(values.min() >= lowest and values.max() < len(rows))
+            if spec.kind == "column":
+                good = not len(values) or bool(values.min() >= -spec.or_none and values.max() < len(rows))
             if not good:
-                raise RecordingError(f"{column}: wanted rows of {target} ({len(rows)}), found others: {self.file}")
+                raise RecordingError(f"{column}: wanted rows of {spec.of} ({len(rows)}), found others: {self.file}")
         scored, edges = self._column("door_scores.door"), self._column("initial_map.door")
         if scored is not None and edges is not None and not np.isin(edges, scored).all():
             raise RecordingError(f"initial_map.door: wanted doors that have scores, found others: {self.file}")
@@ -170,11 +125,6 @@ class History:
         values: NDArray[np.int32] | None = getattr(self.records.get(topic), name, None)
         return values
 
-    @property
-    def stages(self) -> tuple[str, ...]:
-        """Topics of the stages that were recorded, in the order of the method."""
-        return tuple(topic for topic in STAGES if topic in self.steps)
-
     def stage_of(self, step: int) -> tuple[str, int]:
         """Stage that a step belongs to, and which of its records; `RecordingError` for a step that is not there."""
         for topic in self.stages:
@@ -188,97 +138,6 @@ class History:
         """Step of the last record."""
         topic = self.stages[-1]
         return self.steps[topic] + (len(self.search) - 1 if topic == SEARCH else 0)
-
-    def get(self, record: type[R]) -> R:
-        """One stage's record; `RecordingError` where the recording ends before it."""
-        found = self.records.get(record.topic)
-        if not isinstance(found, record):
-            raise RecordingError(f"stage {record.topic}: not recorded, the last one is {self.stages[-1]}: {self.file}")
-        return found
-
-    def has(self, record: type[Record]) -> bool:
-        """Whether a stage was recorded."""
-        return record.topic in self.steps
-
-    @property
-    def input(self) -> OccupancyGrid:
-        """The map as read."""
-        return self.get(OccupancyGrid)
-
-    @property
-    def simplified(self) -> SimplifiedGrid:
-        """Section II.A."""
-        return self.get(SimplifiedGrid)
-
-    @property
-    def path(self) -> BoundaryPath:
-        """Section II.B."""
-        return self.get(BoundaryPath)
-
-    @property
-    def curvature(self) -> Curvature:
-        """Eq. 1 to 5."""
-        return self.get(Curvature)
-
-    @property
-    def candidates(self) -> Candidates:
-        """Eq. 6."""
-        return self.get(Candidates)
-
-    @property
-    def corners(self) -> Corners:
-        """Local maxima of curvature."""
-        return self.get(Corners)
-
-    @property
-    def doors(self) -> VirtualDoors:
-        """Section II.C."""
-        return self.get(VirtualDoors)
-
-    @property
-    def scores(self) -> DoorScores:
-        """What speaks for and against each door, where that was asked."""
-        return self.get(DoorScores)
-
-    @property
-    def initial(self) -> InitialMap:
-        """The map before the search."""
-        return self.get(InitialMap)
-
-    @property
-    def skeleton(self) -> Skeleton:
-        """Of the baseline `voronoi-doors`, as the next."""
-        return self.get(Skeleton)
-
-    @property
-    def narrows(self) -> Narrows:
-        """Narrow places of the skeleton."""
-        return self.get(Narrows)
-
-    @property
-    def eroded(self) -> ErodedSpace:
-        """Of the baseline `eroded-space`, as the next."""
-        return self.get(ErodedSpace)
-
-    @property
-    def grown(self) -> GrownRooms:
-        """Rooms that the cores grew to."""
-        return self.get(GrownRooms)
-
-    @property
-    def certificate(self) -> Certificate:
-        """What was proven of the search's choice, where that was asked."""
-        return self.get(Certificate)
-
-    @property
-    def edits(self) -> Edits:
-        """What came of each edit, where there were any."""
-        return self.get(Edits)
-
-    @property
-    def topology(self) -> TopologicalMap:
-        """The result."""
-        return self.get(TopologicalMap)
 
     @cached_property
     def problem(self) -> MergeProblem:

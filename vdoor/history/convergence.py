@@ -14,7 +14,7 @@ from vdoor.method.search.generation import Generation
 from vdoor.record import specs
 
 
-class Course(Sequence[Generation]):
+class ConvergenceHistory(Sequence[Generation]):
     """The generations of a search, held as numbers and packed strings; each is made when asked for."""
 
     NUMBERS = tuple(name for name in specs(Generation) if name != "removed")

@@ -39,10 +39,10 @@ class BoundaryPath(Record):
     heading: Annotated[NDArray[np.uint8], Spec("code", "sample", words=HEADINGS)]
     turned_left: Annotated[NDArray[np.bool_], Spec("column", "sample")]
     """The walker turned left around this obstacle cell."""
-    contour: Annotated[NDArray[np.int32], Spec("column", "sample")]
+    contour: Annotated[NDArray[np.int32], Spec("column", "sample", of="path.first")]
     arc_m: Annotated[NDArray[np.float64], Spec("column", "sample", unit="m", tolerance=1e-9)]
     """Length of the path from the contour's first sample."""
-    first: Annotated[NDArray[np.int32], Spec("column", "contour")]
+    first: Annotated[NDArray[np.int32], Spec("column", "contour", of="path.cell")]
     """The contour's first sample."""
     length_m: Annotated[NDArray[np.float64], Spec("column", "contour", unit="m", tolerance=1e-9)]
     outer: Annotated[NDArray[np.bool_], Spec("column", "contour")]

@@ -22,7 +22,7 @@ class Candidates(Record):
     topic: ClassVar[str] = "candidates"
 
     cell: Annotated[NDArray[np.int32], Spec("cell", "candidate 2")]
-    sample: Annotated[NDArray[np.int32], Spec("column", "candidate")]
+    sample: Annotated[NDArray[np.int32], Spec("column", "candidate", of="path.cell")]
     angle_rad: Annotated[NDArray[np.float64], Spec("column", "candidate", unit="rad", tolerance=1e-9)]
     convex: Annotated[NDArray[np.bool_], Spec("column", "candidate")]
     frame: Frame
@@ -34,7 +34,7 @@ class Corners(Record):
     topic: ClassVar[str] = "corners"
 
     cell: Annotated[NDArray[np.int32], Spec("cell", "corner 2")]
-    sample: Annotated[NDArray[np.int32], Spec("column", "corner")]
+    sample: Annotated[NDArray[np.int32], Spec("column", "corner", of="path.cell")]
     quarter: Annotated[NDArray[np.int32], Spec("column", "corner 2", unit="quarter cells")]
     """Middle of the plateau of greatest curvature: (4 row + 2, 4 col + 2) is the centre of a cell."""
     angle_rad: Annotated[NDArray[np.float64], Spec("column", "corner", unit="rad", tolerance=1e-9)]

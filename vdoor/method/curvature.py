@@ -22,7 +22,7 @@ class Curvature(Record):
 
     topic: ClassVar[str] = "curvature"
 
-    cell: Annotated[NDArray[np.int32], Spec("cell", "sample 2")]
+    cell: Annotated[NDArray[np.int32], Spec("cell", "sample 2", of="path.cell")]
     k_forward: Annotated[NDArray[np.int32], Spec("column", "sample")]
     """K_f, eq. 1."""
     k_backward: Annotated[NDArray[np.int32], Spec("column", "sample")]

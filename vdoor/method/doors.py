@@ -40,8 +40,8 @@ class VirtualDoors(Record):
     """The other corner's, or the closest boundary's."""
     kind: Annotated[NDArray[np.uint8], Spec("code", "door", words=KINDS)]
     verdict: Annotated[NDArray[np.uint8], Spec("code", "door", words=VERDICTS)]
-    corner_start: Annotated[NDArray[np.int32], Spec("column", "door")]
-    corner_end: Annotated[NDArray[np.int32], Spec("column", "door")]
+    corner_start: Annotated[NDArray[np.int32], Spec("column", "door", of="corners.sample")]
+    corner_end: Annotated[NDArray[np.int32], Spec("column", "door", of="corners.sample", or_none=True)]
     """The other corner, -1 where the door ends on a plain boundary."""
     length_m: Annotated[NDArray[np.float64], Spec("column", "door", unit="m", tolerance=1e-9)]
     """Between the end cells' centres; what the paper's 1.2 m limits."""
@@ -51,7 +51,7 @@ class VirtualDoors(Record):
     """Angle to the nearer of the grid's axes, 0 to pi/4."""
     line_cell: Annotated[NDArray[np.int32], Spec("cell", "line 2")]
     """The free cells that proposed doors lie on, 8-connected, door after door."""
-    line_door: Annotated[NDArray[np.int32], Spec("column", "line")]
+    line_door: Annotated[NDArray[np.int32], Spec("column", "line", of="doors.start")]
     frame: Frame
 
 

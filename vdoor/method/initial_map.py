@@ -45,22 +45,22 @@ class InitialMap(Record):
     area_m2: Annotated[NDArray[np.float64], Spec("column", "region", unit="m2", tolerance=1e-9)]
     start: Annotated[NDArray[np.int32], Spec("cell", "edge 2")]
     end: Annotated[NDArray[np.int32], Spec("column", "edge 2", unit="cells")]
-    door: Annotated[NDArray[np.int32], Spec("column", "edge")]
+    door: Annotated[NDArray[np.int32], Spec("column", "edge", of="doors.start")]
     """Row in `VirtualDoors`; doors that border fewer than two regions are no edges (see `idle_door`)."""
     kind: Annotated[NDArray[np.uint8], Spec("code", "edge", words=KINDS)]
     length_m: Annotated[NDArray[np.float64], Spec("column", "edge", unit="m", tolerance=1e-9)]
     width_m: Annotated[NDArray[np.float64], Spec("column", "edge", unit="m", tolerance=1e-9)]
     tilt_rad: Annotated[NDArray[np.float64], Spec("column", "edge", unit="rad", tolerance=1e-9)]
-    idle_door: Annotated[NDArray[np.int32], Spec("column", "idle")]
+    idle_door: Annotated[NDArray[np.int32], Spec("column", "idle", of="doors.start")]
     """Proposed doors that are no edges; see `idle_reason`."""
     idle_reason: Annotated[tuple[str, ...], Spec("text", "idle")] = ()
     """Which regions are meant, one of `IDLE` a door; none at all where only the simplified grid is asked (paper)."""
-    border_edge: Annotated[NDArray[np.int32], Spec("column", "border")]
-    border_region: Annotated[NDArray[np.int32], Spec("column", "border")]
+    border_edge: Annotated[NDArray[np.int32], Spec("column", "border", of="initial_map.door")]
+    border_region: Annotated[NDArray[np.int32], Spec("column", "border", of="initial_map.area_m2")]
     """Which regions each edge borders, sorted."""
     atom_area_m2: Annotated[NDArray[np.float64], Spec("column", "atom", unit="m2", tolerance=1e-9)]
-    cover_atom: Annotated[NDArray[np.int32], Spec("column", "cover")]
-    cover_edge: Annotated[NDArray[np.int32], Spec("column", "cover")]
+    cover_atom: Annotated[NDArray[np.int32], Spec("column", "cover", of="initial_map.atom_area_m2")]
+    cover_edge: Annotated[NDArray[np.int32], Spec("column", "cover", of="initial_map.door")]
     """Which edges must all be removed to open each atom, sorted."""
     touch_a: Annotated[NDArray[np.int32], Spec("column", "touch")]
     touch_b: Annotated[NDArray[np.int32], Spec("column", "touch")]

@@ -15,18 +15,18 @@ from numpy.typing import NDArray
 
 from vdoor.api import in_own_frame
 from vdoor.errors import RecordingError, VdoorError
-from vdoor.evaluate.label_files import read_labels, read_table
-from vdoor.export.geometry import area_m2
-from vdoor.export.report.story import Story
+from vdoor.evaluate.label_files import read_image, read_labels, read_table
 from vdoor.formats.source import checked_resolution_m, shown
 from vdoor.frame import Frame
+from vdoor.grid import FREE, OCCUPIED, UNKNOWN, OccupancyGrid
+from vdoor.history.provenance import Provenance, facts_of
 from vdoor.method.final_doors import Doors
 from vdoor.method.final_map import Features, map_of, ranked
 from vdoor.pipeline import RECORDS
 from vdoor.record import TEXT
 from vdoor.recording.mcap import read_recording
-from vdoor.results.writing import NAMES, SCHEMA
-from vdoor.topology import KINDS, Door, TopologicalMap
+from vdoor.results.writing import GREY_FREE, GREY_OCCUPIED, NAMES, SCHEMA
+from vdoor.topology import KINDS, Door, TopologicalMap, signed_area_m2
 
 Ints = NDArray[np.int32]
 Feature = tuple[int, bool, tuple[float, float]]
@@ -38,19 +38,19 @@ class Finished:
     """What a run ended with."""
 
     topology: TopologicalMap
-    story: Story | None = None
-    """How the run came to it, where that was asked for."""
+    provenance: Provenance | None = None
+    """Of the run, where that is wanted."""
     settings: Mapping[str, Any] = field(default_factory=dict)
     """Of the run, as nested tables."""
 
 
-def read_finished(path: str | Path, *, story: bool = False) -> Finished:
-    """The map of a finished run: what an .mcap ends with, or a folder of `vdoor run --out`; how it came to it on wish.
+def read_finished(path: str | Path, *, provenance: bool = False) -> Finished:
+    """The map of a finished run, which an .mcap ends with or a folder of `vdoor run --out` holds.
 
     Raises `VdoorError` where there is none, it is damaged, or its files do not belong together.
     """
     path = Path(path)
-    return read_result(path, story=story) if path.is_dir() else read_last(path, story=story)
+    return read_result(path, provenance=provenance) if path.is_dir() else read_last(path, provenance=provenance)
 
 
 def files_of(path: Path) -> list[Path]:
@@ -58,21 +58,21 @@ def files_of(path: Path) -> list[Path]:
     return [path / name for name in NAMES] if path.is_dir() else [path]
 
 
-def read_last(path: Path, *, story: bool = False) -> Finished:
+def read_last(path: Path, *, provenance: bool = False) -> Finished:
     """The map that a recording ends with."""
     topic = "nothing"
     recording = read_recording(path, types=RECORDS)
-    told = Story.of(recording.info) if story else None
+    origin = Provenance.of(recording.info) if provenance else None
     for step, record in recording:
         topic = record.topic
         if isinstance(record, TopologicalMap):
-            return Finished(in_own_frame(record, recording.info.source), told, recording.info.settings)
-        if told:
-            told.write(step, record)
+            return Finished(in_own_frame(record, recording.info.source), origin, recording.info.settings)
+        if origin:
+            origin.run.write(step, record)
     raise RecordingError(f"recording: wanted a run that is finished, found one that ends with {topic}: {path}")
 
 
-def read_result(folder: Path, *, story: bool = False) -> Finished:
+def read_result(folder: Path, *, provenance: bool = False) -> Finished:
     """The map of a result folder: rooms from rooms.png, doors and corner features from map.json.
 
     Areas, middles and polygons are taken from the label image by the same rules as when it was written. What a
@@ -96,9 +96,33 @@ def read_result(folder: Path, *, story: bool = False) -> Finished:
         _refuse_parts(topology)
         annotations = document.get("annotations")
         origin_cm = _point(annotations["own_origin_cm"]) if annotations else None
-        told = Story.of_result(folder, document, topology.frame) if story else None
+        origin = _provenance(folder, document, topology.frame) if provenance else None
         topology = dataclasses.replace(topology, own_origin_cm=origin_cm)
-        return Finished(topology, told, dict(document["settings"]))
+        return Finished(topology, origin, dict(document["settings"]))
+
+
+def _provenance(folder: Path, document: Mapping[str, Any], frame: Frame) -> Provenance:
+    """What map.json says of the run, and the map as read; `VdoorError` for what is not so.
+
+    Raises `KeyError` and the like for a document of another shape.
+    """
+    files = tuple((str(file["name"]), str(file["sha256"])) for file in document["source"]["files"])
+    settings: Mapping[str, Any] = dict(document["settings"])
+    provenance = Provenance(facts_of(document["vdoor"], document["preset"], document["seed"]), settings, files)
+    provenance.run.write(0, _grid(folder / "grid.png", frame))
+    return provenance
+
+
+def _grid(path: Path, frame: Frame) -> OccupancyGrid:
+    """The map of a result folder; `VdoorError` where it is not of the frame's size."""
+    grey = read_image(path).greys()
+    if grey.shape != (frame.height, frame.width):
+        found = f"{grey.shape[1]} x {grey.shape[0]}"
+        raise VdoorError(f"grid.png: wanted {frame.width} x {frame.height} cells, found {found}")
+    cells = np.full(grey.shape, UNKNOWN, np.int8)
+    cells[grey == GREY_FREE] = FREE
+    cells[grey == GREY_OCCUPIED] = OCCUPIED
+    return OccupancyGrid(cells=cells, frame=frame)
 
 
 def _assembled(
@@ -171,7 +195,7 @@ def _features(table: dict[str, Any]) -> Iterator[Feature]:
 def _refuse_parts(topology: TopologicalMap) -> None:
     """Raise `VdoorError` for a room in several parts, each with an outer ring of its own."""
     for room in topology.rooms:
-        outer, *holes = (area_m2(ring) < 0 for ring in room.polygon_m)
+        outer, *holes = (signed_area_m2(ring) < 0 for ring in room.polygon_m)
         if outer in holes:
             raise VdoorError(f"rooms.png: wanted room {room.id} in one part, found several")
 

@@ -19,14 +19,14 @@ from vdoor.export.checks import refuse_not_finite
 from vdoor.export.geometry import line_m
 from vdoor.export.report.layers import layers
 from vdoor.export.report.sheet import Sheet, colour_text, polygon, polyline
-from vdoor.export.report.story import Story, value_text
-from vdoor.history.convergence import Course
+from vdoor.history.convergence import ConvergenceHistory
+from vdoor.history.provenance import Provenance, value_text
 from vdoor.pipeline import Pipeline
 from vdoor.record import SCALARS, specs
 from vdoor.topology import TopologicalMap
 from vdoor.viz.rerun import style
 
-__all__ = ["Story", "to_report"]
+__all__ = ["Provenance", "to_report"]
 
 MARGIN = 0.02
 """Of the longer side of what has rooms."""
@@ -34,14 +34,14 @@ MOST_POINTS = 1000
 """Generations that the curve shows at most, those that found something better among them."""
 
 
-def to_report(topology: TopologicalMap, story: Story | None = None) -> str:
-    """HTML: the map with a switch for each stage of the story, tables of rooms and doors, cost curve, settings.
+def to_report(topology: TopologicalMap, provenance: Provenance | None = None) -> str:
+    """HTML: the map with a switch for each stage, tables of rooms and doors, cost curve, settings.
 
-    Without a story it tells of rooms and doors alone. Numbers are rounded for reading; the other formats have them in
+    Without provenance it shows rooms and doors alone. Numbers are rounded for reading; the other formats have them in
     full. Equal runs give equal pages. Raises `VdoorError` where records hold what cannot be drawn.
     """
     refuse_not_finite(topology)
-    told = _told(topology, story)
+    told = _told(topology, provenance)
     try:
         text = json.dumps(told, separators=(",", ":"), allow_nan=False)
     except ValueError as error:  # a recording can hold any number
@@ -49,7 +49,7 @@ def to_report(topology: TopologicalMap, story: Story | None = None) -> str:
     parts = {name: _part(f"page.{name}") for name in ("css", "js")}
     return Template(_part("page.html")).substitute(
         parts,
-        title=html.escape(printable(story.name if story else "map")),
+        title=html.escape(printable(provenance.name if provenance else "map")),
         # Only this very script and style are run, whatever else the page could be made to hold.
         css_digest=_digest(parts["css"]),
         js_digest=_digest(parts["js"]),
@@ -57,7 +57,7 @@ def to_report(topology: TopologicalMap, story: Story | None = None) -> str:
     )
 
 
-def _told(topology: TopologicalMap, story: Story | None) -> dict[str, Any]:
+def _told(topology: TopologicalMap, provenance: Provenance | None) -> dict[str, Any]:
     """All that the page shows."""
     sheet, frame = Sheet(topology.frame), topology.frame
     (x_m, y_m), (to_right_x_m, to_right_y_m), (down_x_m, down_y_m) = frame.world_from_cell(
@@ -65,22 +65,22 @@ def _told(topology: TopologicalMap, story: Story | None) -> dict[str, Any]:
     ).tolist()
     axes = [to_right_x_m - x_m, to_right_y_m - y_m, down_x_m - x_m, down_y_m - y_m]
     return {
-        "facts": _facts(topology, story),
+        "facts": _facts(topology, provenance),
         "view": _view(topology),
         "resolution_m": frame.resolution_m,
         "world_m": [x_m, y_m, *axes],
-        "layers": [asdict(layer) for layer in layers(sheet, story)],
+        "layers": [asdict(layer) for layer in layers(sheet, provenance)],
         "rooms": _rooms(topology, sheet),
         "doors": _doors(topology, sheet),
         "door_colour": colour_text(style.KEPT),
-        "curve": _curve(story.search) if story and len(story.search) else None,
+        "curve": _curve(provenance.run.search) if provenance and len(provenance.run.search) else None,
         "colours": [colour_text(colour) for colour in (style.KEPT, style.REMOVED)],
-        "numbers": list(_numbers(story)) if story else [],
-        "settings": list(_settings(story)) if story else [],
+        "numbers": list(_numbers(provenance)) if provenance else [],
+        "settings": list(_settings(provenance)) if provenance else [],
     }
 
 
-def _facts(topology: TopologicalMap, story: Story | None) -> list[tuple[str, str]]:
+def _facts(topology: TopologicalMap, provenance: Provenance | None) -> list[tuple[str, str]]:
     frame = topology.frame
     rooms, doors = len(topology.area_m2), len(topology.kind)
     facts = [
@@ -89,10 +89,10 @@ def _facts(topology: TopologicalMap, story: Story | None) -> list[tuple[str, str
         ("area", f"{topology.area_m2.sum():.1f} m²"),
         ("map", f"{frame.width} x {frame.height} cells of {frame.resolution_m:g} m"),
     ]
-    if story is None:
+    if provenance is None:
         return facts
-    files = [(f"SHA-256 of {name}", digest) for name, digest in story.files]
-    return [(printable(name), printable(value)) for name, value in [*facts, *story.facts.items(), *files]]
+    files = [(f"SHA-256 of {name}", digest) for name, digest in provenance.files]
+    return [(printable(name), printable(value)) for name, value in [*facts, *provenance.facts.items(), *files]]
 
 
 def _view(topology: TopologicalMap) -> list[float]:
@@ -143,7 +143,7 @@ def _doors(topology: TopologicalMap, sheet: Sheet) -> list[dict[str, Any]]:
     return told
 
 
-def _curve(search: Course) -> dict[str, Any]:
+def _curve(search: ConvergenceHistory) -> dict[str, Any]:
     """Costs of the generations shown, and which doors each keeps or removes other than the one before it."""
     best = search.numbers("best_cost")
     better = np.flatnonzero(np.diff(best, prepend=np.inf) < 0)
@@ -166,21 +166,21 @@ def _finite(values: np.ndarray[Any, np.dtype[np.float64]]) -> list[float | None]
     return [value if np.isfinite(value) else None for value in values.tolist()]
 
 
-def _numbers(story: Story) -> Iterator[tuple[str, str, str]]:
+def _numbers(provenance: Provenance) -> Iterator[tuple[str, str, str]]:
     """The single numbers that stages give: stage, name, and value with its unit."""
-    last = [story.search[-1]] if len(story.search) else []
-    for record in [*story.records.values(), *last]:
+    last = [provenance.run.search[-1]] if len(provenance.run.search) else []
+    for record in [*provenance.records, *last]:
         for name, (spec, _) in specs(type(record)).items():
             if spec.kind in SCALARS:
                 yield record.topic, name, f"{getattr(record, name):.9g} {spec.unit}".rstrip()
 
 
-def _settings(story: Story) -> Iterator[tuple[str, str, str]]:
+def _settings(provenance: Provenance) -> Iterator[tuple[str, str, str]]:
     """Every setting, stage after stage as in the method: stage, name, value."""
     order = [field.name for field in fields(Pipeline)]
-    stages = sorted(story.settings, key=lambda name: (order.index(name) if name in order else len(order), name))
+    stages = sorted(provenance.settings, key=lambda name: (order.index(name) if name in order else len(order), name))
     for stage in stages:
-        table = story.settings[stage]
+        table = provenance.settings[stage]
         for name, value in sorted(table.items()) if isinstance(table, dict) else [("", table)]:
             yield printable(stage), printable(name), printable(value_text(value))
 

@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from vdoor.errors import RecordingError
 from vdoor.export.report.sheet import Layer, Sheet, colour_text, polygon, polyline, room_codes
-from vdoor.export.report.story import Story
 from vdoor.frame import Frame
 from vdoor.grid import FREE_TO, OCCUPIED_FROM, OccupancyGrid
+from vdoor.history.provenance import Provenance
 from vdoor.method.boundary import BoundaryPath
 from vdoor.method.corners import Candidates, Corners
 from vdoor.method.curvature import Curvature
@@ -48,14 +48,14 @@ ANGLE_COLOURS = ("#7f0000", "#c8301c", "#ee7a2b", "#f0b23c", "#e3d59a")
 """Between these angles, the sharpest first; straight wall is left blank."""
 
 
-def layers(sheet: Sheet, story: Story | None) -> Iterator[Layer]:
+def layers(sheet: Sheet, provenance: Provenance | None) -> Iterator[Layer]:
     """The layers of all that was recorded, in the order of the method; records nobody has drawn for are drawn too."""
-    if story is None:
+    if provenance is None:
         return
-    for record in story.records.values():
+    for record in provenance.records:
         yield from DRAW.get(type(record), draw_any)(sheet, record)
-        if isinstance(record, InitialMap) and len(story.search):
-            yield draw_search(sheet, record, story)
+        if isinstance(record, InitialMap) and len(provenance.run.search):
+            yield draw_search(sheet, record, provenance)
 
 
 def draw_input(sheet: Sheet, grid: OccupancyGrid) -> Drawn:
@@ -144,13 +144,13 @@ def draw_initial(sheet: Sheet, initial: InitialMap) -> Drawn:
     yield layer
 
 
-def draw_search(sheet: Sheet, initial: InitialMap, story: Story) -> Layer:
+def draw_search(sheet: Sheet, initial: InitialMap, provenance: Provenance) -> Layer:
     """The doors that the search chose among; the page colours them by the choice of each generation."""
-    if story.search.edges != len(initial.door):
+    if provenance.run.search.edges != len(initial.door):
         found = f"generation.removed: wanted a choice for each of {len(initial.door)} doors"
-        raise RecordingError(f"{found}, found {story.search.edges}")
+        raise RecordingError(f"{found}, found {provenance.run.search.edges}")
     layer = Layer("search", "Search: doors kept and removed")
-    kept = ~story.search[-1].removed
+    kept = ~provenance.run.search[-1].removed
     tips = [
         f"edge {edge} of the search, virtual door {door}: {initial.width_m[edge]:.2f} m"
         for edge, door in enumerate(initial.door.tolist())

@@ -37,7 +37,7 @@ class DoorScores(Record):
     topic: ClassVar[str] = "door_scores"
 
     middle: Annotated[NDArray[np.int32], Spec("cell", "scored 2")]
-    door: Annotated[NDArray[np.int32], Spec("column", "scored")]
+    door: Annotated[NDArray[np.int32], Spec("column", "scored", of="doors.start")]
     """Row in `VirtualDoors`."""
     log_odds: Annotated[NDArray[np.float64], Spec("column", "scored", tolerance=1e-6)]
     """That it is a real door: 0 is one in two, 3 is twenty to one."""
@@ -47,8 +47,8 @@ class DoorScores(Record):
     """The values of `FEATURES`, in that order."""
     sure: Annotated[NDArray[np.bool_], Spec("column", "scored")]
     """Shut while the others were looked at again."""
-    rival_a: Annotated[NDArray[np.int32], Spec("column", "rival")]
-    rival_b: Annotated[NDArray[np.int32], Spec("column", "rival")]
+    rival_a: Annotated[NDArray[np.int32], Spec("column", "rival", of="door_scores.door")]
+    rival_b: Annotated[NDArray[np.int32], Spec("column", "rival", of="door_scores.door")]
     """Pairs of likely doors (rows here, a < b, sorted) of which at most one can be real."""
     corners_per_m: Annotated[float, Spec("number", unit="1/m", tolerance=1e-9)]
     """Of boundary: how ragged the map is."""

@@ -32,7 +32,7 @@ class Generation(Record):
     """AreaSD of the best string."""
     tilt_sd_deg: Annotated[float, Spec("number", unit="deg", tolerance=1e-9)]
     """DegSD of the best string."""
-    removed: Annotated[NDArray[np.bool_], Spec("bits", "edge")]
+    removed: Annotated[NDArray[np.bool_], Spec("bits", "edge", of="initial_map.door")]
     """The best string, one bit per edge of the initial map."""
 
 

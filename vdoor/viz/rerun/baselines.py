@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import rerun as rr
 
-from vdoor.baselines import ErodedSpace, GrownRooms, Narrows, Skeleton
+from vdoor.baselines import CriticalLines, ErodedSpace, GrownRooms, Skeleton
 from vdoor.baselines.critical_lines import FATES, NARROW
 from vdoor.viz.rerun import style
 from vdoor.viz.rerun.scene import Scene, classes, pixels, strips
@@ -20,7 +20,7 @@ def draw_skeleton(scene: Scene, skeleton: Skeleton) -> None:
     scene.log("map/skeleton", points)
 
 
-def draw_narrows(scene: Scene, narrows: Narrows) -> None:
+def draw_critical_lines(scene: Scene, narrows: CriticalLines) -> None:
     """Narrow places with a line from wall to wall; what is none in a layer for each reason."""
     for code, fate in enumerate(FATES):
         own = narrows.fate == code

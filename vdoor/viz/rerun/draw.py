@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import rerun as rr
 
-from vdoor.baselines import ErodedSpace, GrownRooms, Narrows, Skeleton
+from vdoor.baselines import CriticalLines, ErodedSpace, GrownRooms, Skeleton
 from vdoor.editing.apply import Edits
 from vdoor.grid import OccupancyGrid
 from vdoor.method.boundary import BoundaryPath
@@ -23,7 +23,7 @@ from vdoor.method.simplify import REASONS, SimplifiedGrid
 from vdoor.record import RASTERS, Record, specs, tables
 from vdoor.topology import TopologicalMap
 from vdoor.viz.rerun import style
-from vdoor.viz.rerun.baselines import draw_eroded, draw_grown, draw_narrows, draw_skeleton
+from vdoor.viz.rerun.baselines import draw_critical_lines, draw_eroded, draw_grown, draw_skeleton
 from vdoor.viz.rerun.curve import draw_curve, draw_threshold
 from vdoor.viz.rerun.graphs import draw_edits, draw_generation, draw_initial, draw_map
 from vdoor.viz.rerun.restrictions import restrictions
@@ -202,7 +202,7 @@ DRAW: dict[type[Record], Callable[[Scene, Any], None]] = {
     OccupancyGrid: draw_input,
     SimplifiedGrid: draw_simplified,
     Skeleton: draw_skeleton,
-    Narrows: draw_narrows,
+    CriticalLines: draw_critical_lines,
     ErodedSpace: draw_eroded,
     GrownRooms: draw_grown,
     BoundaryPath: draw_path,

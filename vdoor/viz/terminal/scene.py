@@ -88,7 +88,7 @@ def _drawn_scores(run: History, canvas: Canvas) -> Canvas:
 
 
 def _drawn_narrows(run: History, canvas: Canvas) -> Canvas:
-    narrows, doors = run.narrows, run.narrows.fate == NARROW
+    narrows, doors = run.critical_lines, run.critical_lines.fate == NARROW
     canvas.paint("path", run.skeleton.cell)
     canvas.line("rejected door", narrows.start[~doors], narrows.end[~doors])
     return canvas.line("door", narrows.start[doors], narrows.end[doors])

@@ -110,7 +110,7 @@ def _certificate_summary(run: History) -> str:
 
 
 def _narrows_summary(run: History) -> str:
-    count = np.bincount(run.narrows.fate, minlength=len(FATES))
+    count = np.bincount(run.critical_lines.fate, minlength=len(FATES))
     return ", ".join(f"{count[code]} {word}" for code, word in enumerate(FATES) if count[code]) or "none"
 
 

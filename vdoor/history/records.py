@@ -1,0 +1,154 @@
+"""The records of one run, collected as they come: by a recording that is read, or by the run itself."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TypeVar
+
+from vdoor.baselines import CriticalLines, ErodedSpace, GrownRooms, Skeleton
+from vdoor.editing.apply import Edits
+from vdoor.errors import RecordingError
+from vdoor.grid import OccupancyGrid
+from vdoor.history.convergence import ConvergenceHistory
+from vdoor.method.boundary import BoundaryPath
+from vdoor.method.corners import Candidates, Corners
+from vdoor.method.curvature import Curvature
+from vdoor.method.doors import VirtualDoors
+from vdoor.method.initial_map import InitialMap
+from vdoor.method.scoring.score import DoorScores
+from vdoor.method.search.certificate import Certificate
+from vdoor.method.search.generation import Generation
+from vdoor.method.simplify import SimplifiedGrid
+from vdoor.pipeline import RECORDS
+from vdoor.record import Record
+from vdoor.topology import TopologicalMap
+
+R = TypeVar("R", bound=Record)
+
+STAGES = tuple(record.topic for record in RECORDS)
+SEARCH = Generation.topic
+
+
+@dataclass(frozen=True, kw_only=True)
+class RunRecords:
+    """Each stage's record by its topic, and the search as numbers and packed strings. A sink, and an `Emit`."""
+
+    records: dict[str, Record] = field(default_factory=dict)
+    """Every stage's record by its topic, but for the search."""
+    steps: dict[str, int] = field(default_factory=dict)
+    """Step of every stage, of the first generation for the search."""
+    search: ConvergenceHistory = field(default_factory=ConvergenceHistory)
+
+    def __call__(self, record: R, /) -> R:
+        """Take the next record of a run, and return it."""
+        self.write(len(self.records) + len(self.search), record)
+        return record
+
+    def write(self, step: int, record: Record) -> None:
+        """Take one more record; `RecordingError` for a second one of a stage that has but one."""
+        if record.topic in self.records:
+            raise RecordingError(f"step {step}: wanted one record of {record.topic}, found a second")
+        self.steps.setdefault(record.topic, step)
+        if isinstance(record, Generation):
+            self.search.add(record)
+        else:
+            self.records[record.topic] = record
+
+    def close(self) -> None:
+        """Nothing to finish."""
+
+    @property
+    def stages(self) -> tuple[str, ...]:
+        """Topics of the stages that were recorded, in the order of the method."""
+        return tuple(topic for topic in STAGES if topic in self.steps)
+
+    def get(self, record: type[R]) -> R:
+        """One stage's record; `RecordingError` where the run ends before it."""
+        found = self.records.get(record.topic)
+        if not isinstance(found, record):
+            raise RecordingError(f"stage {record.topic}: not recorded, the last one is {self.stages[-1]}")
+        return found
+
+    def has(self, record: type[Record]) -> bool:
+        """Whether a stage was recorded."""
+        return record.topic in self.steps
+
+    @property
+    def input(self) -> OccupancyGrid:
+        """The map as read."""
+        return self.get(OccupancyGrid)
+
+    @property
+    def simplified(self) -> SimplifiedGrid:
+        """Section II.A."""
+        return self.get(SimplifiedGrid)
+
+    @property
+    def path(self) -> BoundaryPath:
+        """Section II.B."""
+        return self.get(BoundaryPath)
+
+    @property
+    def curvature(self) -> Curvature:
+        """Eq. 1 to 5."""
+        return self.get(Curvature)
+
+    @property
+    def candidates(self) -> Candidates:
+        """Eq. 6."""
+        return self.get(Candidates)
+
+    @property
+    def corners(self) -> Corners:
+        """Local maxima of curvature."""
+        return self.get(Corners)
+
+    @property
+    def doors(self) -> VirtualDoors:
+        """Section II.C."""
+        return self.get(VirtualDoors)
+
+    @property
+    def scores(self) -> DoorScores:
+        """What speaks for and against each door, where that was asked."""
+        return self.get(DoorScores)
+
+    @property
+    def initial(self) -> InitialMap:
+        """The map before the search."""
+        return self.get(InitialMap)
+
+    @property
+    def skeleton(self) -> Skeleton:
+        """Of the baseline `voronoi-doors`, as the next."""
+        return self.get(Skeleton)
+
+    @property
+    def critical_lines(self) -> CriticalLines:
+        """Narrow places of the skeleton."""
+        return self.get(CriticalLines)
+
+    @property
+    def eroded(self) -> ErodedSpace:
+        """Of the baseline `eroded-space`, as the next."""
+        return self.get(ErodedSpace)
+
+    @property
+    def grown(self) -> GrownRooms:
+        """Rooms that the cores grew to."""
+        return self.get(GrownRooms)
+
+    @property
+    def certificate(self) -> Certificate:
+        """What was proven of the search's choice, where that was asked."""
+        return self.get(Certificate)
+
+    @property
+    def edits(self) -> Edits:
+        """What came of each edit, where there were any."""
+        return self.get(Edits)
+
+    @property
+    def topology(self) -> TopologicalMap:
+        """The result."""
+        return self.get(TopologicalMap)
