@@ -23,7 +23,7 @@ from vdoor.method.corners import Corners
 from vdoor.method.doors import PROPOSED, VirtualDoors
 from vdoor.method.initial_map import InitialMap
 from vdoor.method.scoring.closed_features import SHUT
-from vdoor.method.scoring.conflicts import rivals, surest
+from vdoor.method.scoring.conflicts import conflicts, surest
 from vdoor.method.scoring.features import FEATURES, FIRST
 from vdoor.method.scoring.model import Curve, model_named, table_of
 from vdoor.method.scoring.score import JUDGEMENTS, LIKELY, DoorScores, ScoreDoors
@@ -175,7 +175,7 @@ def test_features_of_a_plain_door_are_what_one_measures() -> None:
     assert len(scores.door) == np.count_nonzero(doors.verdict == PROPOSED)
 
 
-def test_rivals_cross_or_lie_near_each_other() -> None:
+def test_conflicting_doors_cross_or_lie_near_each_other() -> None:
     made = synthesize(KINDS_OF_MAPS["home"], np.random.default_rng(3))
     found = records_of(made.grid.cells)
     scores, doors = found[DoorScores], found[VirtualDoors]
@@ -201,7 +201,7 @@ def test_the_surest_doors_exclude_each_other_and_none_likelier_is_left_out() -> 
     assert 0 < len(sure) == len(surest(segments, first, least, 0.6))
     assert (first[sure] > least).all()
     likely = np.flatnonzero(first > least)
-    pairs = rivals(segments, likely, 0.6)
+    pairs = conflicts(segments, likely, 0.6)
     assert not (scores.sure[pairs]).all(axis=1).any()
     for left_out in np.setdiff1d(likely, sure).tolist():
         others = pairs[(pairs == left_out).any(axis=1)].sum(axis=1) - left_out
@@ -281,7 +281,7 @@ def test_the_bound_holds_where_clashes_are_cheap(clash_weight: float) -> None:
     assert certificate.lower_bound <= best.best_cost + 1e-6
 
 
-def test_the_search_never_gets_worse_and_keeps_no_rivals() -> None:
+def test_the_search_never_gets_worse_and_keeps_no_conflicts() -> None:
     problem = problem_of_home(11)
     generations = list(MemeticSearch()(problem, np.random.default_rng(0)))
     costs = [generation.best_cost for generation in generations]

@@ -173,7 +173,7 @@ def test_scores_and_certificate_are_one_line_each(two_rooms: Path) -> None:
     run = history(two_rooms)
     lines = called("show", two_rooms).stdout.splitlines()
     (score,) = [line for line in lines if " door_scores " in line]
-    judged = r"5 likely, 0 unlikely, 0 outdone; 2 pairs of rivals; 1 shut for the second look; map (\d+) % rough"
+    judged = r"5 likely, 0 unlikely, 0 outdone; 2 pairs in conflict; 1 closed in pass 2; map (\d+) % rough"
     (rough,) = re.findall(judged, score)
     assert int(rough) == round(100 * run.scores.share_rough)
     (proof,) = [line for line in lines if " certificate " in line]

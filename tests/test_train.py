@@ -14,7 +14,7 @@ from vdoor.method.scoring.features import FEATURES, FIRST
 from vdoor.method.scoring.model import Curve, Curves, DoorModel, Rough, model_named, table_of
 from vdoor.pipeline import Pipeline
 from vdoor.synth import PRESETS, synthesize, write_synthetic
-from vdoor.train import RealDoors, default_pipeline, fitted_model, labelled_lessons, mean_of, synthetic_lessons
+from vdoor.train import RealDoors, default_pipeline, fitted_model, labelled_maps, mean_of, synthetic_maps
 from vdoor.train.examples import Examples, examples, judged
 from vdoor.train.fit import fitted, hat_basis, knots_of, mean_curves
 
@@ -91,7 +91,7 @@ def test_the_mean_lies_between_at_the_first_ones_knots() -> None:
 
 def test_equal_seeds_give_equal_curves() -> None:
     def curves(seed: int) -> DoorModel:
-        return fitted_model(synthetic_lessons(2, 1, seed), default_pipeline(), {})
+        return fitted_model(synthetic_maps(2, 1, seed), default_pipeline(), {})
 
     assert curves(1) == curves(1)
     assert curves(1) != curves(2)
@@ -101,12 +101,12 @@ def test_a_labelled_synthetic_map_gives_the_examples_of_its_truth(tmp_path: Path
     made = synthesize(PRESETS["paper-5cm"], np.random.default_rng(4))
     write_synthetic(made, tmp_path / "flat", seed=4)
     pipeline: Pipeline = default_pipeline()
-    (lesson,) = labelled_lessons(tmp_path, tmp_path, weight=3.0)
-    found = examples(lesson, pipeline)
+    (training_map,) = labelled_maps(tmp_path, tmp_path, weight=3.0)
+    found = examples(training_map, pipeline)
     assert found.real.sum() >= len(made.doors)
     assert set(found.weight.tolist()) <= {0.0, 3.0}
     assert found.weight.any()
-    again = examples(lesson, pipeline, model_named("shipped").first)
+    again = examples(training_map, pipeline, model_named("shipped").first)
     assert (again.feature[:, : len(FIRST)] == found.feature).all()
     assert again.feature.shape[1] == len(FEATURES)
 
@@ -123,7 +123,7 @@ def test_the_command_writes_curves_that_a_run_can_use(tmp_path: Path) -> None:
     assert tuple(model_named(str(curves)).last.curves) == FEATURES
     made = json.loads(curves.read_text())["made"]
     assert made["command"] == "vdoor train --homes 3 --offices 1 --seed 0 --rounds 2"
-    rounds = [fitted_model(synthetic_lessons(3, 1, seed), default_pipeline(), {"labelled_maps": 0}) for seed in (0, 1)]
+    rounds = [fitted_model(synthetic_maps(3, 1, seed), default_pipeline(), {"labelled_maps": 0}) for seed in (0, 1)]
     assert made["examples"] == sum(one.made["examples"] for one in rounds)
     assert table_of(model_named(str(curves))) == table_of(mean_of(rounds, made))
     again = subprocess.run(

@@ -15,7 +15,7 @@ from test_why import DOOR_M
 
 from vdoor.explain import explain
 from vdoor.explain.doors import door_fate
-from vdoor.explain.scores import Reason, Rival, reasons_of, score_fate
+from vdoor.explain.scores import Conflict, Reason, reasons_of, score_fate
 from vdoor.explain.text import percent, to_lines
 from vdoor.history import History
 from vdoor.method.doors import PROPOSED
@@ -54,7 +54,7 @@ def test_a_score_is_told_with_the_features_that_speak_for_and_against(two_rooms:
     run = history(two_rooms)
     score = door_fate(run, 0).score
     assert score is not None
-    assert (score.judgement, score.bias, score.least_log_odds, score.rivals) == ("likely", BIAS, -2.0, ())
+    assert (score.judgement, score.bias, score.least_log_odds, score.conflicts) == ("likely", BIAS, -2.0, ())
     assert score.log_odds == pytest.approx(BIAS + DOOR_SAYS)
     pair, length, contour = score.reasons_for
     assert pair == Reason(feature="pair", value=1.0, log_odds=2.0)
@@ -98,22 +98,22 @@ def test_outdone_doors_name_the_better_one(tmp_path: Path) -> None:
     fates = [door_fate(run, door) for door in SINGLES]
     assert {fate.fate for fate in fates} == {"outdone"}
     scores = [fate.score for fate in fates]
-    assert all(score is not None and score.outdone_by == 0 for score in scores)
+    assert all(score is not None and score.suppressed_by == 0 for score in scores)
     assert "outdone by door 0 at the same place, log-odds +2.50: left out of the search" in text_of(path, count=6)
 
 
-def test_rivals_are_told_by_who_won(tmp_path: Path) -> None:
+def test_conflicts_are_listed_by_which_door_was_kept(tmp_path: Path) -> None:
     path = scored(tmp_path, apart_m=1.2)
     run = history(path)
     scores = {door: door_fate(run, door).score for door in (0, 1)}
     assert scores[0] is not None
     assert scores[1] is not None
-    assert [(rival.door, rival.kept) for rival in scores[0].rivals] == [(door, False) for door in SINGLES]
-    assert scores[1].rivals[0] == Rival(door=0, log_odds=float(run.scores.log_odds[0]), kept=True)
+    assert [(rival.door, rival.kept) for rival in scores[0].conflicts] == [(door, False) for door in SINGLES]
+    assert scores[1].conflicts[0] == Conflict(door=0, log_odds=float(run.scores.log_odds[0]), kept=True)
     text = text_of(path, count=6)
     singles = ", ".join(f"door {door} ({BIAS + SINGLE_SAYS:+.2f})" for door in SINGLES)
-    assert f"rivals: {singles} beaten\n" in text
-    assert "rivals: door 0 (+2.50) won over it; " in text
+    assert f"conflicts: {singles} beaten\n" in text
+    assert "conflicts: door 0 (+2.50) won over it; " in text
 
 
 def test_command_tells_scores_as_text_and_json(two_rooms: Path) -> None:
@@ -168,7 +168,7 @@ def test_fates_of_scored_doors_add_up_to_what_each_stage_recorded(apartment: His
     assert [fate.door for fate in fates if fate.idle] == run.initial.idle_door.tolist()
     assert [fate.door for fate in fates if fate.edge >= 0] == run.initial.door.tolist()
     assert {fate.edge for fate in fates if fate.fate == "door"} == set(run.topology.edge.tolist()) - {-1}
-    rivals = {(fate.door, rival.door) for fate in fates if fate.score for rival in fate.score.rivals}
+    rivals = {(fate.door, rival.door) for fate in fates if fate.score for rival in fate.score.conflicts}
     assert rivals == {pair[::-1] for pair in rivals}
     assert len(rivals) == 2 * len(run.scores.rival_a) > 0
 

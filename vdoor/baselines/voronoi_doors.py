@@ -12,7 +12,7 @@ from vdoor.baselines.skeleton import DrawSkeleton, Skeleton
 from vdoor.editing.apply import EditRooms, Edits
 from vdoor.emit import Emit, silent
 from vdoor.grid import FREE, OccupancyGrid
-from vdoor.method.doors import PROPOSED, VERDICTS, Found, VirtualDoors, measures, without_duplicates
+from vdoor.method.doors import PROPOSED, VERDICTS, DoorCandidates, VirtualDoors, measures, without_duplicates
 from vdoor.method.final_map import MergeRooms
 from vdoor.method.initial_map import DivideRooms, InitialMap
 from vdoor.method.search.costs import MapCost
@@ -39,7 +39,7 @@ class CrossNarrows:
         clear, _, _ = lines_between(free, start, end)
         verdict[~clear] = VERDICTS.index("blocked")
         none = np.full((len(rows), 2), -1, np.int32)
-        verdict = without_duplicates(Found(start, end, np.full(len(rows), KIND, np.uint8), verdict, none))
+        verdict = without_duplicates(DoorCandidates(start, end, np.full(len(rows), KIND, np.uint8), verdict, none))
         proposed = np.flatnonzero(verdict == PROPOSED)
         _, line_cell, owner = lines_between(free, start[proposed], end[proposed])
         length_m, width_m, tilt_rad = measures(start, end, narrows.frame.resolution_m)

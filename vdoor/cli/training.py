@@ -49,13 +49,13 @@ def train(
         "command": f"vdoor train --homes {homes} --offices {offices} --seed {seed} --rounds {rounds}",
         "labelled_maps": 0,
     }
-    own: list[training.Lesson] = []
+    own: list[training.TrainingMap] = []
     if maps is not None and reference is not None:
-        own = training.labelled_lessons(maps, reference, weight=weight, bare=bare_map, resolution_m=resolution)
+        own = training.labelled_maps(maps, reference, weight=weight, bare=bare_map, resolution_m=resolution)
         made["labelled_maps"] = len(own)
         made["command"] += f" --maps {maps.name} --reference {reference.name} --weight {weight:g}"
 
-    def told(number: int, draw: training.Draw) -> training.Lesson:
+    def told(number: int, draw: training.Draw) -> training.TrainingMap:
         if number % 50 == 0:
             say(f"map {number} of {len(own) + homes + offices}")
         return draw()
@@ -63,9 +63,9 @@ def train(
     models = []
     for number in range(rounds):
         say(f"round {number + 1} of {rounds}")
-        draws = [*map(training.known, own), *training.synthetic_lessons(homes, offices, seed + number)]
-        lessons = [functools.partial(told, *both) for both in enumerate(draws, 1)]
-        models.append(training.fitted_model(lessons, pipeline, made))
+        draws = [*map(training.known, own), *training.synthetic_maps(homes, offices, seed + number)]
+        training_maps = [functools.partial(told, *both) for both in enumerate(draws, 1)]
+        models.append(training.fitted_model(training_maps, pipeline, made))
     model = training.mean_of(models, made)
     training.write_model(output, model)
     said, real = (model.made[name] for name in ("examples", "real_doors"))

@@ -19,7 +19,7 @@ Tables = Mapping[str, Mapping[str, Any]]
 NO_EXTENSION_M = 0.1
 """An extension as short as that is none."""
 NO_DOOR_LOG_ODDS = 100.0
-"""So likely is no door: none is shut for the second look, which sees what the first one saw."""
+"""So likely is no door: none is closed in pass 2, which so equals pass 1."""
 SHORT_M = 1.2
 """The paper's widest door."""
 
@@ -52,7 +52,7 @@ VARIANTS = (
         name="short doors only",
         settings={"doors": {"pair_m": SHORT_M, "single_m": SHORT_M, "extension_m": NO_EXTENSION_M}},
     ),
-    Variant(name="one look", settings={"score": {"sure_log_odds": NO_DOOR_LOG_ODDS}}),
+    Variant(name="one pass", settings={"score": {"sure_log_odds": NO_DOOR_LOG_ODDS}}),
     Variant(name="no room term", settings={"cost": {"lack_weight": 0.0, "lack_weight_rough": 0.0}}),
     Variant(name="further doors count alike", settings={"cost": {"further_bias": 0.0, "further_bias_rough": 0.0}}),
     Variant(name="greedy choice", settings={"search": {"generations": 0}}),

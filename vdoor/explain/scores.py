@@ -29,7 +29,7 @@ class Reason:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Rival:
+class Conflict:
     """Another likely door, of which at most one of the two can be real."""
 
     door: int
@@ -50,8 +50,8 @@ class ScoreFate:
     share_rough: float
     """How much the curves for ragged maps count, 0 to 1."""
     sure: bool = False
-    """So likely at the first look that it was shut while the others were looked at again."""
-    outdone_by: int = -1
+    """So likely in pass 1 that it was closed in pass 2."""
+    suppressed_by: int = -1
     """The likeliest door at nearly the same place."""
     outdone_by_log_odds: float = 0.0
     bias: float | None = None
@@ -59,7 +59,7 @@ class ScoreFate:
     reasons_for: tuple[Reason, ...] = ()
     """The features that speak most for it, the loudest first."""
     reasons_against: tuple[Reason, ...] = ()
-    rivals: tuple[Rival, ...] = ()
+    conflicts: tuple[Conflict, ...] = ()
     """The likeliest first."""
 
 
@@ -72,7 +72,7 @@ def score_fate(run: History, door: int) -> ScoreFate | None:
     if row == len(scores.door) or scores.door[row] != door or not isinstance(settings, ScoreDoors):
         return None
     judgement = JUDGEMENTS[scores.judgement[row]]
-    better = outdone_by(run, row, settings.same_place_m) if judgement == "outdone" else -1
+    better = suppressed_by(run, row, settings.same_place_m) if judgement == "outdone" else -1
     bias, reasons = reasons_of(scores, row, model=settings.model)
     return ScoreFate(
         log_odds=float(scores.log_odds[row]),
@@ -80,12 +80,12 @@ def score_fate(run: History, door: int) -> ScoreFate | None:
         least_log_odds=settings.least_log_odds,
         share_rough=scores.share_rough,
         sure=bool(scores.sure[row]),
-        outdone_by=int(scores.door[better]) if better >= 0 else -1,
+        suppressed_by=int(scores.door[better]) if better >= 0 else -1,
         outdone_by_log_odds=float(scores.log_odds[better]) if better >= 0 else 0.0,
         bias=bias,
         reasons_for=tuple(reason for reason in reasons[:MOST_REASONS] if reason.log_odds > 0),
         reasons_against=tuple(reason for reason in reasons[: -MOST_REASONS - 1 : -1] if reason.log_odds < 0),
-        rivals=rivals_of(run, row),
+        conflicts=conflicts_of(run, row),
     )
 
 
@@ -112,7 +112,7 @@ def model_used(scores: DoorScores, row: int, *, model: str) -> DoorModel | None:
     return curves if abs(again - scores.log_odds[row]) <= SAME_LOG_ODDS else None
 
 
-def outdone_by(run: History, row: int, near_m: float) -> int:
+def suppressed_by(run: History, row: int, near_m: float) -> int:
     """The likeliest of the likelier scored doors whose middle is near that of this one; -1 where there is none."""
     scores = run.scores
     middle = middles(run)
@@ -127,7 +127,7 @@ def middles(run: History) -> NDArray[np.float64]:
     return np.asarray((run.doors.start[doors] + run.doors.end[doors]) / 2)
 
 
-def rivals_of(run: History, row: int) -> tuple[Rival, ...]:
+def conflicts_of(run: History, row: int) -> tuple[Conflict, ...]:
     """The doors that exclude a scored one, the likeliest first."""
     scores = run.scores
     others = np.concatenate([scores.rival_b[scores.rival_a == row], scores.rival_a[scores.rival_b == row]])
@@ -135,7 +135,7 @@ def rivals_of(run: History, row: int) -> tuple[Rival, ...]:
     order = others[np.argsort(-scores.log_odds[others].round(9), kind="stable")]
     doors = scores.door[order].tolist()
     return tuple(
-        Rival(door=door, log_odds=log_odds, kept=kept(run, door))
+        Conflict(door=door, log_odds=log_odds, kept=kept(run, door))
         for door, log_odds in zip(doors, scores.log_odds[order].tolist(), strict=True)
     )
 

@@ -9,7 +9,7 @@ from vdoor.explain import Answer, Place
 from vdoor.explain.corners import CornerFate, Sample
 from vdoor.explain.distances import Point
 from vdoor.explain.doors import DoorFate, Passage
-from vdoor.explain.scores import Reason, Rival, ScoreFate
+from vdoor.explain.scores import Conflict, Reason, ScoreFate
 from vdoor.grid import FREE_TO, OCCUPIED_FROM
 from vdoor.method.initial_map import IDLE
 
@@ -116,8 +116,9 @@ def door_lines(door: DoorFate) -> Iterator[str]:
     yield f"    {_VERDICTS[door.verdict](door)}"
     if door.score:
         yield from score_lines(door.score)
-        if door.score.rivals:
-            yield f"      rivals: {_rivals(door.score.rivals, won=door.search is not None and not door.search.removed)}"
+        if door.score.conflicts:
+            won = door.search is not None and not door.search.removed
+            yield f"      conflicts: {_conflicts(door.score.conflicts, won=won)}"
     if door.idle:
         yield f"    initial map: idle, {_IDLE[door.idle_reason]}"
     if door.edge >= 0:
@@ -169,7 +170,7 @@ def score_lines(score: ScoreFate) -> Iterator[str]:
     odds = f"log-odds {score.log_odds:+.2f} ({percent(1 / (1 + math.exp(-score.log_odds)))}{bias})"
     yield f"    score: {odds}, {_JUDGEMENTS[score.judgement](score)}{rough}"
     if score.sure:
-        yield "      first look: sure, so it was shut while the other doors were looked at again"
+        yield "      pass 1: sure, so it was closed in pass 2"
     if score.bias is None:
         yield "      reasons: the curves that this run used are not here"
     else:
@@ -189,7 +190,7 @@ _JUDGEMENTS: dict[str, Callable[[ScoreFate], str]] = {
     "likely": lambda score: f"likely (at least {score.least_log_odds:+g}): the search decides",
     "unlikely": lambda score: f"unlikely, below {score.least_log_odds:+g}: left out of the search",
     "outdone": lambda score: (
-        f"outdone by door {score.outdone_by} at the same place, log-odds {score.outdone_by_log_odds:+.2f}: "
+        f"outdone by door {score.suppressed_by} at the same place, log-odds {score.outdone_by_log_odds:+.2f}: "
         "left out of the search"
     ),
 }
@@ -199,12 +200,12 @@ def _reason(reason: Reason) -> str:
     return f"{reason.feature} {reason.value:.2f} says {reason.log_odds:+.2f}"
 
 
-def _rivals(rivals: Sequence[Rival], *, won: bool) -> str:
+def _conflicts(conflicts: Sequence[Conflict], *, won: bool) -> str:
     """Which doors a likely one excludes, by what the search made of them."""
     words = {True: "kept beside it" if won else "won over it", False: "beaten" if won else "not kept either"}
     parts = []
     for kept, word in (words | {None: "not searched"}).items():
-        own = [f"door {rival.door} ({rival.log_odds:+.2f})" for rival in rivals if rival.kept is kept]
+        own = [f"door {rival.door} ({rival.log_odds:+.2f})" for rival in conflicts if rival.kept is kept]
         if own:
             more = f" and {len(own) - MOST_RIVALS} more" if len(own) > MOST_RIVALS else ""
             parts.append(f"{', '.join(own[:MOST_RIVALS])}{more} {word}")

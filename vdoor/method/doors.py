@@ -76,7 +76,7 @@ class ProposeDoors:
         found = pairs.followed_by(single)
         return measured(free, found, path.frame)
 
-    def _pairs(self, free: Mask, path: BoundaryPath, corners: Corners, convex: Ints) -> Found:
+    def _pairs(self, free: Mask, path: BoundaryPath, corners: Corners, convex: Ints) -> DoorCandidates:
         """All pairs of convex corners within reach, each with its verdict."""
         both = pairs_within(corners, convex, self._reach(path))
         start, end = corners.cell[both[:, 0]], corners.cell[both[:, 1]]
@@ -86,9 +86,9 @@ class ProposeDoors:
         same = same_wall(path, corners.sample[both[:, 0]], corners.sample[both[:, 1]], self.pair_detour)
         verdict[same] = VERDICTS.index("same wall")
         verdict[np.abs(end - start).max(axis=1, initial=0) <= 1] = VERDICTS.index("no gap")
-        return Found(start, end, np.zeros(len(both), np.uint8), verdict, both)
+        return DoorCandidates(start, end, np.zeros(len(both), np.uint8), verdict, both)
 
-    def _singles(self, free: Mask, path: BoundaryPath, corners: Corners, alone: Ints) -> Found:
+    def _singles(self, free: Mask, path: BoundaryPath, corners: Corners, alone: Ints) -> DoorCandidates:
         """For each corner its closest visible boundary, all of them at a tie; if none is visible, the closest hidden.
 
         The boundary next to the corner is its own wall and does not count.
@@ -103,7 +103,9 @@ class ProposeDoors:
         chosen = np.where(clear, squared == nearest[1, corner], ~has_clear & (squared == nearest[0, corner]))
         verdict = np.where(clear, PROPOSED, VERDICTS.index("blocked")).astype(np.uint8)[chosen]
         both = np.stack([corner, np.full_like(corner, -1)], axis=1)[chosen]
-        return Found(start[chosen], end[chosen], np.full(len(verdict), KINDS.index("single"), np.uint8), verdict, both)
+        return DoorCandidates(
+            start[chosen], end[chosen], np.full(len(verdict), KINDS.index("single"), np.uint8), verdict, both
+        )
 
     def _boundaries(self, path: BoundaryPath, corners: Corners, alone: Ints) -> tuple[Ints, Ints, NDArray[np.int64]]:
         """Corners `alone` with every boundary cell in reach that is not their own wall, and squared distance in cells.
@@ -139,7 +141,7 @@ def same_wall(path: BoundaryPath, one: Ints, other: Ints, detour: float) -> Mask
     return np.asarray(common & (gaps_m(path, one, other) <= detour * length_m + EPSILON))
 
 
-class Found(NamedTuple):
+class DoorCandidates(NamedTuple):
     """Segments found, before they are measured."""
 
     start: Ints
@@ -148,13 +150,13 @@ class Found(NamedTuple):
     verdict: NDArray[np.uint8]
     corners: Ints
 
-    def followed_by(self, other: Found) -> Found:
+    def followed_by(self, other: DoorCandidates) -> DoorCandidates:
         """Both lists, one after the other."""
         columns: Iterator[tuple[Any, Any]] = zip(self, other, strict=True)
-        return Found(*map(np.concatenate, columns))
+        return DoorCandidates(*map(np.concatenate, columns))
 
 
-def measured(free: Mask, found: Found, frame: Frame) -> VirtualDoors:
+def measured(free: Mask, found: DoorCandidates, frame: Frame) -> VirtualDoors:
     """The record of segments found: equal proposed ones are kept once, and those that stay have their cells."""
     verdict = without_duplicates(found)
     proposed = np.flatnonzero(verdict == PROPOSED)
@@ -184,7 +186,7 @@ def pairs_within(corners: Corners, among: Ints, reach: float) -> Ints:
     return np.asarray(both[np.lexsort((both[:, 1], both[:, 0]))])
 
 
-def without_duplicates(found: Found) -> NDArray[np.uint8]:
+def without_duplicates(found: DoorCandidates) -> NDArray[np.uint8]:
     """The verdicts (k,), all but the first of proposed segments with equal end points turned to duplicates."""
     proposed = np.flatnonzero(found.verdict == PROPOSED)
     start, end = found.start[proposed], found.end[proposed]

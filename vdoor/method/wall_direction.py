@@ -1,4 +1,4 @@
-"""How the walls of a map lie: nothing may depend on a map lying straight."""
+"""Direction of a map's walls, so that no result depends on how the map is turned."""
 
 from __future__ import annotations
 
@@ -10,7 +10,13 @@ from vdoor.method.corners import gaps_m
 STRAIGHTNESS = 0.9
 """U_k: share of the path's length that a chord must have to be of a wall, not of a corner; slanted ones have 0.92."""
 CHORD_M = 0.5
-"""Walls are looked at in chords of this length."""
+"""Length of the chords that vote for a direction: longer than furniture is deep."""
+BINS = 720
+"""Of the histogram of angles: an eighth of a degree each, as directions repeat every 90 degrees."""
+KERNEL_BINS, KERNEL_SIGMA_BINS = 24, 8.0
+"""Half width and standard deviation of the Gaussian that smooths it: 1 degree, cut off at three of them."""
+PEAK_DEG = 24.0
+"""Votes so near the peak, in quadruple angle, are averaged: 6 degrees of a wall."""
 
 
 def wall_direction_rad(path: BoundaryPath) -> float:
@@ -31,11 +37,10 @@ def wall_direction_rad(path: BoundaryPath) -> float:
     if not straight.any():
         return 0.0
     turn = 4 * np.arctan2(down[straight], right[straight])
-    bins = 720
-    votes = np.bincount(np.floor((turn % (2 * np.pi)) / (2 * np.pi) * bins).astype(np.intp) % bins, minlength=bins)
-    kernel = np.exp(-0.5 * (np.arange(-24, 25) / 8.0) ** 2)
-    smooth = np.convolve(np.concatenate([votes[-24:], votes, votes[:24]]), kernel, "valid")
-    peak = (np.argmax(smooth) + 0.5) / bins * 2 * np.pi
-    near = np.cos(turn - peak) > np.cos(np.radians(24))
+    votes = np.bincount(np.floor((turn % (2 * np.pi)) / (2 * np.pi) * BINS).astype(np.intp) % BINS, minlength=BINS)
+    kernel = np.exp(-0.5 * (np.arange(-KERNEL_BINS, KERNEL_BINS + 1) / KERNEL_SIGMA_BINS) ** 2)
+    smooth = np.convolve(np.concatenate([votes[-KERNEL_BINS:], votes, votes[:KERNEL_BINS]]), kernel, "valid")
+    peak = (np.argmax(smooth) + 0.5) / BINS * 2 * np.pi
+    near = np.cos(turn - peak) > np.cos(np.radians(PEAK_DEG))
     mean = np.arctan2(np.sin(turn[near]).sum(), np.cos(turn[near]).sum())
     return float(mean / 4)

@@ -14,7 +14,16 @@ from vdoor.grid import FREE
 from vdoor.method.boundary import BoundaryPath
 from vdoor.method.corners import Corners
 from vdoor.method.curvature import EPSILON
-from vdoor.method.doors import PROPOSED, VERDICTS, Found, VirtualDoors, measured, measures, pairs_within, same_wall
+from vdoor.method.doors import (
+    PROPOSED,
+    VERDICTS,
+    DoorCandidates,
+    VirtualDoors,
+    measured,
+    measures,
+    pairs_within,
+    same_wall,
+)
 from vdoor.method.simplify import SimplifiedGrid
 from vdoor.method.wall_direction import wall_direction_rad
 from vdoor.raster.lines import lines_between
@@ -66,15 +75,17 @@ class ProposeWideDoors:
         found.verdict[narrow] = VERDICTS.index("too narrow")
         return measured(free, found, path.frame)
 
-    def _pairs(self, path: BoundaryPath, corners: Corners, convex: Ints) -> Found:
+    def _pairs(self, path: BoundaryPath, corners: Corners, convex: Ints) -> DoorCandidates:
         """All pairs of convex corners within reach."""
         both = pairs_within(corners, convex, self.pair_m / path.frame.resolution_m + EPSILON)
         verdict = np.full(len(both), PROPOSED, np.uint8)
         same = same_wall(path, corners.sample[both[:, 0]], corners.sample[both[:, 1]], self.pair_detour)
         verdict[same] = VERDICTS.index("same wall")
-        return Found(corners.cell[both[:, 0]], corners.cell[both[:, 1]], np.zeros(len(both), np.uint8), verdict, both)
+        return DoorCandidates(
+            corners.cell[both[:, 0]], corners.cell[both[:, 1]], np.zeros(len(both), np.uint8), verdict, both
+        )
 
-    def _singles(self, free: Mask, path: BoundaryPath, corners: Corners, convex: Ints) -> Found:
+    def _singles(self, free: Mask, path: BoundaryPath, corners: Corners, convex: Ints) -> DoorCandidates:
         """From each corner to the nearest boundaries in clearly different directions."""
         reach = self.single_m / path.frame.resolution_m
         offset = _star(reach)
@@ -88,7 +99,7 @@ class ProposeWideDoors:
         number, cell = number[keep], cell[keep]
         both = np.stack([convex[number], np.full(len(number), -1, np.int32)], axis=1)
         kind = np.full(len(number), KINDS.index("single"), np.uint8)
-        return Found(start[number], cell, kind, np.full(len(number), PROPOSED, np.uint8), both)
+        return DoorCandidates(start[number], cell, kind, np.full(len(number), PROPOSED, np.uint8), both)
 
     def _own_wall(self, path: BoundaryPath, sample: Ints, cell: Ints) -> Mask:
         """Whether each cell (k, 2) is of the wall that its corner's sample (k,) is on, or of no wall that was walked.
@@ -102,7 +113,7 @@ class ProposeWideDoors:
         own[row[near]] = True
         return own
 
-    def _extensions(self, free: Mask, path: BoundaryPath, corners: Corners, convex: Ints) -> Found:
+    def _extensions(self, free: Mask, path: BoundaryPath, corners: Corners, convex: Ints) -> DoorCandidates:
         """From each corner along the lines of the two walls that meet in it, to what they hit."""
         cell_m = path.frame.resolution_m
         samples = max(3, round(self.wall_m / cell_m))
@@ -135,7 +146,7 @@ class ProposeWideDoors:
         index, end = index[beside], end[beside]
         both = np.stack([convex[which[index]], np.full(len(index), -1, np.int32)], axis=1)
         kind = np.full(len(index), KINDS.index("extension"), np.uint8)
-        return Found(start[index], end, kind, np.full(len(index), PROPOSED, np.uint8), both)
+        return DoorCandidates(start[index], end, kind, np.full(len(index), PROPOSED, np.uint8), both)
 
 
 def _star(reach: float) -> Ints:

@@ -1,4 +1,4 @@
-"""Straight looks through the grid, many at once: where they end, and what they see on the way."""
+"""Rays through a raster, many at once: how long they are, and the values that they pass."""
 
 from __future__ import annotations
 
@@ -31,15 +31,15 @@ class Padded:
         c = np.clip(np.floor(col + 0.5).astype(np.int32) + 1, 0, self.width - 1)
         return np.asarray(self.flat[r * self.width + c])
 
-    def of(self, part: slice) -> Padded:  # noqa: ARG002  # here all looks see the same
-        """What some of the looks that are made at once see."""
+    def of(self, part: slice) -> Padded:  # noqa: ARG002  # all rays pass the same raster here
+        """The raster that some of the rays cast at once pass."""
         return self
 
 
-def looks(inside: Padded, start: Floats, direction: Floats, reach: float) -> Floats:
-    """How far (k,) cells one can go from places (k, 2) along unit vectors (k, 2) within set cells, at most `reach`.
+def ray_lengths(inside: Padded, start: Floats, direction: Floats, reach: float) -> Floats:
+    """Lengths (k,) in cells of rays from places (k, 2) along unit vectors (k, 2) within set cells, at most `reach`.
 
-    The start itself is not asked. Distances are whole steps of half a cell.
+    The cell of the start need not be set. Lengths are whole steps of half a cell.
     """
     steps = max(1, math.ceil(2 * reach))
     far = np.arange(1, steps + 1) / 2

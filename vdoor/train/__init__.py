@@ -11,19 +11,29 @@ from vdoor.method.scoring.model import DoorModel, table_of
 from vdoor.pipeline import PRESETS, Pipeline
 from vdoor.train.examples import (
     Draw,
-    Lesson,
     RealDoors,
+    TrainingMap,
     known,
-    labelled_lessons,
+    labelled_maps,
     marked_real,
     real_doors,
-    synthetic_lessons,
+    synthetic_maps,
 )
 from vdoor.train.fit import fitted_model, mean_of
 
 __all__ = [
-    "Draw", "Lesson", "RealDoors", "default_pipeline", "fitted_model", "known", "labelled_lessons", "marked_real",
-    "mean_of", "real_doors", "synthetic_lessons", "write_model",
+    "Draw",
+    "RealDoors",
+    "TrainingMap",
+    "default_pipeline",
+    "fitted_model",
+    "known",
+    "labelled_maps",
+    "marked_real",
+    "mean_of",
+    "real_doors",
+    "synthetic_maps",
+    "write_model",
 ]  # fmt: skip
 
 
@@ -37,9 +47,9 @@ def default_pipeline() -> Pipeline:
 def write_model(path: Path, model: DoorModel) -> None:
     """The model as JSON, one curve a line."""
     table = table_of(model)
-    looks = [f' "{look}": {_one_curve_a_line(table.pop(look))}' for look in ("first", "last")]
+    passes = [f' "{name}": {_one_curve_a_line(table.pop(name))}' for name in ("first", "last")]
     head = [f" {json.dumps(name)}: {json.dumps(value)}" for name, value in table.items()]
-    write_whole(path, "{{\n{}\n}}\n".format(",\n".join([*head, *looks])).encode())
+    write_whole(path, "{{\n{}\n}}\n".format(",\n".join([*head, *passes])).encode())
 
 
 def _one_curve_a_line(look: dict[str, Any]) -> str:

@@ -84,7 +84,7 @@ class Examples:
     share_rough: float
 
 
-class Lesson(NamedTuple):
+class TrainingMap(NamedTuple):
     """A map, its real doors, and how much they count."""
 
     grid: OccupancyGrid
@@ -92,25 +92,25 @@ class Lesson(NamedTuple):
     weight: float = 1.0
 
 
-Draw = Callable[[], Lesson]
-"""A lesson that is drawn, or read, when it is asked for: the same each time."""
+Draw = Callable[[], TrainingMap]
+"""A training_map that is drawn, or read, when it is asked for: the same each time."""
 
 
-def known(lesson: Lesson) -> Draw:
-    """A lesson that is there already."""
-    return lambda: lesson
+def known(training_map: TrainingMap) -> Draw:
+    """A training_map that is there already."""
+    return lambda: training_map
 
 
-def synthetic_lessons(homes: int, offices: int, seed: int) -> list[Draw]:
+def synthetic_maps(homes: int, offices: int, seed: int) -> list[Draw]:
     """So many synthetic homes and office floors; equal seeds give equal ones."""
     numbers = [(0, index) for index in range(homes)] + [(1, index) for index in range(offices)]
-    return [partial(drawn_lesson, number, index, seed) for number, index in numbers]
+    return [partial(drawn_map, number, index, seed) for number, index in numbers]
 
 
-def drawn_lesson(number: int, index: int, seed: int) -> Lesson:
+def drawn_map(number: int, index: int, seed: int) -> TrainingMap:
     """The index-th synthetic home (0) or floor (1)."""
     made = synthesize(drawn_kind(number, index), np.random.default_rng([seed, number, index]))
-    return Lesson(made.grid, real_doors(made))
+    return TrainingMap(made.grid, real_doors(made))
 
 
 def drawn_kind(number: int, index: int) -> Home | Office:
@@ -120,9 +120,9 @@ def drawn_kind(number: int, index: int) -> Home | Office:
     return Office(cell_m=0.1) if index % COARSE_EVERY == 0 else Office()
 
 
-def examples(lesson: Lesson, pipeline: Pipeline, first_look: Curves | None = None) -> Examples:
+def examples(training_map: TrainingMap, pipeline: Pipeline, first_pass: Curves | None = None) -> Examples:
     """The proposed doors of a map as examples: of a first look, or, where that is learnt, of a second one."""
-    simplified = pipeline.simplify(lesson.grid)
+    simplified = pipeline.simplify(training_map.grid)
     path = pipeline.trace(simplified)
     curvature = pipeline.curvature(path)
     corners = pipeline.corners(path, curvature, pipeline.candidates(path, curvature))
@@ -130,17 +130,17 @@ def examples(lesson: Lesson, pipeline: Pipeline, first_look: Curves | None = Non
     rows = np.flatnonzero(doors.verdict == PROPOSED)
     segments = Segments(doors, rows)
     ends_m = [doors.frame.world_from_cell(ends) for ends in (segments.start, segments.end)]
-    label, weight = judged(ends_m[0], ends_m[1], lesson.real)
+    label, weight = judged(ends_m[0], ends_m[1], training_map.real)
     share_rough = Rough().share(corners_per_m(path, corners))
-    if first_look is None:
+    if first_pass is None:
         distance = room_around(simplified.cells == FREE)
         feature = first_features(simplified, path, doors, rows, corners.sample, distance=distance)
     else:
         assert isinstance(pipeline.score, ScoreDoors)
-        feature, _ = pipeline.score.looked(
-            simplified, path, corners, doors, first_look=first_look, share_rough=share_rough
+        feature, _ = pipeline.score.features(
+            simplified, path, corners, doors, first_pass=first_pass, share_rough=share_rough
         )
-    return Examples(feature, label, weight * lesson.weight, share_rough)
+    return Examples(feature, label, weight * training_map.weight, share_rough)
 
 
 def judged(start_m: Floats, end_m: Floats, real: RealDoors) -> tuple[Floats, Floats]:
@@ -164,16 +164,16 @@ def judged(start_m: Floats, end_m: Floats, real: RealDoors) -> tuple[Floats, Flo
     return label, weight
 
 
-def labelled_lessons(
+def labelled_maps(
     maps: Path, reference: Path, *, weight: float = 1.0, bare: Path | None = None, resolution_m: float | None = None
-) -> list[Lesson]:
+) -> list[TrainingMap]:
     """Every map in a folder that a reference serves by its name; VdoorError where there is none."""
     choice = Choice(reference=reference, bare=bare, resolution_m=resolution_m)
     return [_of_trial(trial, weight) for trial in read_trials(maps, choice).trials]
 
 
-def _of_trial(trial: Trial, weight: float) -> Lesson:
+def _of_trial(trial: Trial, weight: float) -> TrainingMap:
     """One map with the doors of its reference."""
     doors, unsure, grid = trial.reference.doors, trial.reference.unsure, trial.division.grid
     real = marked_real(doors.ends, doors.width_m, grid.frame, None if unsure is None else unsure.ends)
-    return Lesson(grid, real, weight)
+    return TrainingMap(grid, real, weight)

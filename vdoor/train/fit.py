@@ -26,10 +26,10 @@ SMOOTH, RIDGE, TOGETHER = 10.0, 2.0, 10.0
 """How strongly bends, values, and the difference between clean and ragged maps are held down."""
 
 
-def fitted_model(lessons: Sequence[Draw], pipeline: Pipeline, made: dict[str, Any]) -> DoorModel:
-    """Curves for both looks; `made` is completed by what the lessons held."""
-    first = fitted([examples(lesson(), pipeline) for lesson in lessons[::FIRST_EVERY]], FIRST)
-    data = [examples(lesson(), pipeline, first) for lesson in lessons]
+def fitted_model(training_maps: Sequence[Draw], pipeline: Pipeline, made: dict[str, Any]) -> DoorModel:
+    """Curves for both passes; `made` is completed by what the maps held."""
+    first = fitted([examples(training_map(), pipeline) for training_map in training_maps[::FIRST_EVERY]], FIRST)
+    data = [examples(training_map(), pipeline, first) for training_map in training_maps]
     said = sum(int((part.weight > 0).sum()) for part in data)
     real = sum(int(part.real.sum()) for part in data)
     return DoorModel(
@@ -48,15 +48,15 @@ def mean_of(models: Sequence[DoorModel], made: dict[str, Any]) -> DoorModel:
     )
 
 
-def mean_curves(looks: Sequence[Curves]) -> Curves:
+def mean_curves(fits: Sequence[Curves]) -> Curves:
     """The mean of several models' curves for one look; each bends where the first model's does."""
     curves = {}
-    for name, curve in looks[0].curves.items():
-        same = [look.curves[name] for look in looks]
+    for name, curve in fits[0].curves.items():
+        same = [fit.curves[name] for fit in fits]
         clean = np.mean([np.interp(curve.at, one.at, one.clean) for one in same], axis=0)
         rough = np.mean([np.interp(curve.at, one.at, one.rough) for one in same], axis=0)
         curves[name] = Curve(curve.at, short(clean), short(rough))
-    return Curves(curves, *short(np.mean([(look.bias_clean, look.bias_rough) for look in looks], axis=0)))
+    return Curves(curves, *short(np.mean([(fit.bias_clean, fit.bias_rough) for fit in fits], axis=0)))
 
 
 def short(values: Floats) -> tuple[float, ...]:

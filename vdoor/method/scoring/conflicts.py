@@ -16,9 +16,14 @@ Mask = NDArray[np.bool_]
 
 PARALLEL = 0.8
 """Doors whose directions have a greater cosine count as parallel."""
+BESIDE_M, WIDEST_M = 0.25, 1.5
+"""Parallel doors conflict if their middles are nearer than half the shorter one, of which at most `WIDEST_M` counts,
+and `BESIDE_M`: then they close one opening."""
+TIP = 0.02
+"""Share of a segment at either end in which a crossing does not count: a common jamb."""
 
 
-def outdone(door: Segments, log_odds: Floats, near_m: float) -> Mask:
+def suppressed(door: Segments, log_odds: Floats, near_m: float) -> Mask:
     """Which doors (k,) have a likelier one with its middle nearer than `near_m`."""
     lost = np.zeros(len(log_odds), np.bool_)
     if len(log_odds):
@@ -29,7 +34,7 @@ def outdone(door: Segments, log_odds: Floats, near_m: float) -> Mask:
     return lost
 
 
-def rivals(door: Segments, among: Index, apart_m: float) -> Index:
+def conflicts(door: Segments, among: Index, apart_m: float) -> Index:
     """Pairs (m, 2), sorted, of doors that cross, lie near each other, or side by side across one opening."""
     if not len(among):
         return np.zeros((0, 2), np.intp)
@@ -40,18 +45,18 @@ def rivals(door: Segments, among: Index, apart_m: float) -> Index:
     away_m = np.hypot(*(door.middle[a] - door.middle[b]).T) * door.cell_m
     side_by_side = np.abs((door.along[a] * door.along[b]).sum(axis=1)) > PARALLEL
     shorter_m = np.minimum(door.length[a], door.length[b]) * door.cell_m
-    together = side_by_side & (away_m < np.minimum(shorter_m, 1.5) / 2 + 0.25)
+    together = side_by_side & (away_m < np.minimum(shorter_m, WIDEST_M) / 2 + BESIDE_M)
     pairs = pairs[(away_m < apart_m) | crossing(door, a, b) | together]
     return np.asarray(pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))])
 
 
 def surest(door: Segments, log_odds: Floats, least_log_odds: float, apart_m: float) -> Index:
-    """Doors (m,) above `least_log_odds`, ascending, none a rival of a likelier one among them."""
+    """Doors (m,) above `least_log_odds`, ascending, none in conflict with a likelier one among them."""
     likely = np.flatnonzero(log_odds > least_log_odds)
     place = np.empty(len(log_odds), np.intp)
     order = likely[np.lexsort((likely, -log_odds[likely]))]
     place[order] = np.arange(len(order))
-    pairs = place[rivals(door, likely, apart_m)]
+    pairs = place[conflicts(door, likely, apart_m)]
     worse = [np.zeros(0, np.intp)] * len(order)
     better, other = np.sort(pairs, axis=1).reshape(-1, 2).T
     for one in np.unique(better).tolist():
@@ -71,5 +76,5 @@ def crossing(door: Segments, a: Index, b: Index) -> Mask:
     area = turn(span_a, span_b)
     safe = np.where(area == 0, 1.0, area)
     on_a, on_b = turn(between, span_b) / safe, turn(between, span_a) / safe
-    inside = [(share > 0.02) & (share < 0.98) for share in (on_a, on_b)]  # noqa: PLR2004  # not at an end
+    inside = [(share > TIP) & (share < 1 - TIP) for share in (on_a, on_b)]
     return np.asarray((area != 0) & inside[0] & inside[1])

@@ -1,4 +1,4 @@
-"""Features of a virtual door: the way around it along the wall, and what it cuts off."""
+"""Features of a virtual door: the detour around it along the wall, and the area that it cuts off."""
 
 from __future__ import annotations
 
@@ -16,30 +16,32 @@ Ints = NDArray[np.int64]
 Samples = NDArray[np.int32]
 
 TYPICAL = {"arc_log": 2.8, "arc_ratio_log": 2.8, "cut_off_log": 2.2, "cut_off_ratio_log": 2.2, "islet_log": 4.0}
-"""Of real doors, where a feature has no value."""
+"""Values of a typical real door, where a feature has none."""
+LEAST_M, LEAST_M2, MOST_M2 = 0.05, 0.05, 1000.0
+"""Lengths and areas are clipped to these before their logarithm is taken: a cell of 5 cm, and larger than any room."""
 
 
-def around_the_contour(
+def detours(
     path: BoundaryPath, door: Segments, doors: VirtualDoors, rows: Ints, corner_sample: NDArray[np.int32]
 ) -> dict[str, Floats]:
-    """How long the way around is along the wall, and how much space the door would cut off."""
+    """How long the detour along the wall is, and how much area the door would cut off."""
     one = corner_sample[doors.corner_start[rows]]
     tree = cKDTree(path.half.astype(np.float64))
     _, nearest = tree.query(2 * doors.end[rows] + 1.0)
     other = np.where(doors.corner_end[rows] >= 0, corner_sample[doors.corner_end[rows]], nearest).astype(np.int32)
     same = path.contour[one] == path.contour[other]
     whole_m = path.length_m[path.contour]
-    arc_m = np.maximum(gaps_m(path, one, other), 0.05)
-    area_m2 = np.clip(_cut_off_m2(path, one, other), 0.05, 1000.0)
-    length_m = np.maximum(door.length_m, 0.05)
+    arc_m = np.maximum(gaps_m(path, one, other), LEAST_M)
+    area_m2 = np.clip(_cut_off_m2(path, one, other), LEAST_M2, MOST_M2)
+    length_m = np.maximum(door.length_m, LEAST_M)
     own = {
         "arc_log": np.log(arc_m),
         "arc_ratio_log": np.log(arc_m / length_m),
         "cut_off_log": np.log(area_m2),
         "cut_off_ratio_log": np.log(area_m2 / length_m**2),
     }
-    islet = np.log(np.maximum(np.minimum(whole_m[one], whole_m[other]), 0.05))
-    # Between two contours there is no way around: what is asked of one says nothing there, and the other way round.
+    islet = np.log(np.maximum(np.minimum(whole_m[one], whole_m[other]), LEAST_M))
+    # A detour exists on one contour only, an islet on two: the features of the other case get a typical value.
     return {
         "same_contour": same.astype(np.float64),
         **{name: np.where(same, values, TYPICAL[name]) for name, values in own.items()},

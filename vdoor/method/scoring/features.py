@@ -1,4 +1,4 @@
-"""What speaks for and against a virtual door: its geometry and the space around it, in metres."""
+"""Features of virtual doors: their geometry and the space around them, in metres."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from vdoor.grid import FREE
 from vdoor.method.boundary import BoundaryPath
 from vdoor.method.doors import VirtualDoors
 from vdoor.method.scoring.closed_features import SHUT
-from vdoor.method.scoring.detour_features import around_the_contour
+from vdoor.method.scoring.detour_features import detours
 from vdoor.method.scoring.segments import Segments
 from vdoor.method.scoring.space_features import clearance, space_beside
 from vdoor.method.scoring.wall_features import ends_known, in_wall, wall_runs
@@ -62,9 +62,11 @@ FIRST = (
     "island_m",
     "longer_than_rival_m",
 )
-"""Of a first look, by which the surest doors are found."""
+"""Of pass 1, which finds the surest doors."""
+RIVAL_M = 0.6
+"""Doors with their middles nearer than this compete for one opening."""
 FEATURES = (*FIRST, *SHUT)
-"""Of all that is known once those are shut."""
+"""Of pass 2, in which those are closed."""
 
 
 def first_features(
@@ -88,7 +90,7 @@ def first_features(
     found |= space_beside(open_, door)
     found |= clearance(distance, open_, door)
     found |= wall_runs(free, door)
-    found |= around_the_contour(path, door, doors, rows, corner_sample)
+    found |= detours(path, door, doors, rows, corner_sample)
     found |= removed_on_the_line(simplified, doors, rows)
     found["longer_than_rival_m"] = longer_than_rival(door)
     return np.stack([found[name] for name in FIRST], axis=1)
@@ -105,7 +107,7 @@ def removed_on_the_line(simplified: SimplifiedGrid, doors: VirtualDoors, rows: I
     return {"island_m": np.asarray(island * simplified.frame.resolution_m, np.float64)}
 
 
-def longer_than_rival(door: Segments, near_m: float = 0.6) -> Floats:
+def longer_than_rival(door: Segments, near_m: float = RIVAL_M) -> Floats:
     """How much longer the door is than the shortest one with its middle nearby."""
     if not len(door.length):
         return np.zeros(0)

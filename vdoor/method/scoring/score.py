@@ -1,4 +1,4 @@
-"""How much speaks for each virtual door: log-odds from its geometry, feature by feature on record."""
+"""How likely each virtual door is a real one: log-odds from its features, which are on record."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from vdoor.method.boundary import BoundaryPath
 from vdoor.method.corners import Corners
 from vdoor.method.doors import PROPOSED, VirtualDoors
 from vdoor.method.scoring.closed_features import shut_features
-from vdoor.method.scoring.conflicts import outdone, rivals, surest
+from vdoor.method.scoring.conflicts import conflicts, suppressed, surest
 from vdoor.method.scoring.features import FEATURES, first_features
 from vdoor.method.scoring.model import SHIPPED, Curves, model_named
 from vdoor.method.scoring.segments import Segments
@@ -46,7 +46,7 @@ class DoorScores(Record):
     feature: Annotated[NDArray[np.float64], Spec("column", f"scored {len(FEATURES)}", tolerance=1e-6)]
     """The values of `FEATURES`, in that order."""
     sure: Annotated[NDArray[np.bool_], Spec("column", "scored")]
-    """Shut while the others were looked at again."""
+    """Closed in pass 2."""
     rival_a: Annotated[NDArray[np.int32], Spec("column", "rival", of="door_scores.door")]
     rival_b: Annotated[NDArray[np.int32], Spec("column", "rival", of="door_scores.door")]
     """Pairs of likely doors (rows here, a < b, sorted) of which at most one can be real."""
@@ -67,7 +67,7 @@ class NoScores:
 
 @dataclass(frozen=True, kw_only=True)
 class ScoreDoors:
-    """Score the proposed doors, once more with the surest of them shut, and name those that exclude each other."""
+    """Score the proposed doors in two passes, the second with the surest ones closed, and list those in conflict."""
 
     least_log_odds: Annotated[float, Within(-100, 100)] = -6.0
     """Less likely doors are left out of the search. An unlikely one may still close the last gap beside likely ones."""
@@ -76,7 +76,7 @@ class ScoreDoors:
     apart_m: Annotated[float, Within(0, 5)] = 0.6
     """Two real doors have their middles at least this far apart."""
     sure_log_odds: Annotated[float, Within(-100, 100)] = 0.5
-    """Doors likelier than this at the first look are shut for the second."""
+    """Doors likelier than this in pass 1 are closed in pass 2."""
     model: str = SHIPPED
     """The curves: those that ship with the package, or the path of a file that `vdoor train` wrote."""
 
@@ -88,12 +88,14 @@ class ScoreDoors:
         rows = np.flatnonzero(doors.verdict == PROPOSED)
         ragged = corners_per_m(path, corners)
         share_rough = model.rough.share(ragged)
-        feature, sure = self.looked(simplified, path, corners, doors, first_look=model.first, share_rough=share_rough)
+        feature, sure = self.features(simplified, path, corners, doors, first_pass=model.first, share_rough=share_rough)
         log_odds = model.last.log_odds(feature, share_rough)
         segments = Segments(doors, rows)
         judgement = np.where(log_odds < self.least_log_odds, JUDGEMENTS.index("unlikely"), LIKELY).astype(np.uint8)
-        judgement[outdone(segments, log_odds, self.same_place_m) & (judgement == LIKELY)] = JUDGEMENTS.index("outdone")
-        pairs = rivals(segments, np.flatnonzero(judgement == LIKELY), self.apart_m)
+        judgement[suppressed(segments, log_odds, self.same_place_m) & (judgement == LIKELY)] = JUDGEMENTS.index(
+            "outdone"
+        )
+        pairs = conflicts(segments, np.flatnonzero(judgement == LIKELY), self.apart_m)
         return DoorScores(
             middle=np.floor(segments.middle).astype(np.int32),
             door=rows.astype(np.int32),
@@ -108,22 +110,22 @@ class ScoreDoors:
             frame=path.frame,
         )
 
-    def looked(
+    def features(
         self,
         simplified: SimplifiedGrid,
         path: BoundaryPath,
         corners: Corners,
         doors: VirtualDoors,
         *,
-        first_look: Curves,
+        first_pass: Curves,
         share_rough: float,
     ) -> tuple[Floats, NDArray[np.intp]]:
-        """Values (k, features) of `FEATURES` for the proposed doors, and which (m,) of them were shut for that."""
+        """Values (k, features) of `FEATURES` for the proposed doors, and which (m,) of them were closed for that."""
         rows = np.flatnonzero(doors.verdict == PROPOSED)
         segments, free = Segments(doors, rows), simplified.cells == FREE
         distance = room_around(free)
         first = first_features(simplified, path, doors, rows, corners.sample, distance=distance)
-        sure = surest(segments, first_look.log_odds(first, share_rough), self.sure_log_odds, self.apart_m)
+        sure = surest(segments, first_pass.log_odds(first, share_rough), self.sure_log_odds, self.apart_m)
         again = shut_features(free, segments, doors, rows, sure, distance=distance)
         return np.concatenate([first, again], axis=1), sure
 

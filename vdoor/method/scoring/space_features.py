@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from vdoor.method.scoring.segments import Segments
-from vdoor.raster.raycast import Padded, looks
+from vdoor.raster.raycast import Padded, ray_lengths
 
 Floats = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -16,30 +16,34 @@ CLEARANCE_REACHES_M = (0.6, 1.2, 2.0)
 BESIDE_M = (-0.3, -0.15, 0.0, 0.15, 0.3)
 BESIDE = ("wider_min_m", "wider_max_m", "wider_far_min_m", "wider_far_max_m", "depth_min_m", "depth_max_m")
 CLEARANCE = tuple(f"clear_{reach_m:g}_{which}_m" for reach_m in CLEARANCE_REACHES_M for which in ("min", "max"))
-"""Features that look into the space before and behind a door."""
+"""Features that are measured by rays into the space before and behind a door."""
+WIDTHS_AT_M = (0.4, 0.7)
+"""How far before and behind a door the width of the space is measured: past the wall, and past furniture at it."""
 FAR_M = 3.0
-"""Farther away nothing is looked at."""
+"""Rays end here: what lies farther away says nothing about a door."""
 UNSEEN = 1.5
-"""Cells by which two looks, to the left and to the right, fall short of the way between the cells that end them: half
-of one in either, and on average a quarter, as looks go by half cells. Doors are measured between such cells."""
+"""Cells by which two rays, to the left and to the right, fall short of the distance between the cells that end them:
+half a cell each, and a quarter on average, as rays go by half cells. Doors are measured between such cells."""
 
 
 def space_beside(open_: Padded, door: Segments) -> dict[str, Floats]:
     """How much wider than the door the space is beside it, and how deep it is before it."""
     wider = {}
-    for away_m in (0.4, 0.7):
+    for away_m in WIDTHS_AT_M:
         for name, sign in (("l", -1), ("r", 1)):
             point = door.middle + sign * door.normal * (away_m / door.cell_m)
             inside = open_.at(*point.T).astype(np.bool_)
-            width = looks(open_, point, door.along, FAR_M / door.cell_m)
-            width += looks(open_, point, -door.along, FAR_M / door.cell_m)
+            width = ray_lengths(open_, point, door.along, FAR_M / door.cell_m)
+            width += ray_lengths(open_, point, -door.along, FAR_M / door.cell_m)
             wider[away_m, name] = np.where(inside, width + UNSEEN, 0.0) * door.cell_m - door.length_m
-    depth = np.stack([looks(open_, door.middle, s * door.normal, FAR_M / door.cell_m) for s in (-1, 1)]) * door.cell_m
+    rays = [ray_lengths(open_, door.middle, sign * door.normal, FAR_M / door.cell_m) for sign in (-1, 1)]
+    depth = np.stack(rays) * door.cell_m
+    near_m, far_m = WIDTHS_AT_M
     return {
-        "wider_min_m": np.minimum(wider[0.4, "l"], wider[0.4, "r"]),
-        "wider_max_m": np.maximum(wider[0.4, "l"], wider[0.4, "r"]),
-        "wider_far_min_m": np.minimum(wider[0.7, "l"], wider[0.7, "r"]),
-        "wider_far_max_m": np.maximum(wider[0.7, "l"], wider[0.7, "r"]),
+        "wider_min_m": np.minimum(wider[near_m, "l"], wider[near_m, "r"]),
+        "wider_max_m": np.maximum(wider[near_m, "l"], wider[near_m, "r"]),
+        "wider_far_min_m": np.minimum(wider[far_m, "l"], wider[far_m, "r"]),
+        "wider_far_max_m": np.maximum(wider[far_m, "l"], wider[far_m, "r"]),
         "depth_min_m": depth.min(axis=0),
         "depth_max_m": depth.max(axis=0),
     }

@@ -11,28 +11,42 @@ from scipy import ndimage
 from vdoor.grid import FREE, OCCUPIED
 from vdoor.method.scoring.segments import Segments
 from vdoor.method.simplify import SimplifiedGrid
-from vdoor.raster.raycast import Padded, looks
+from vdoor.raster.raycast import Padded, ray_lengths
 
 Floats = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 WALL_RUN_M = 1.5
-"""Walls are followed so far."""
+"""How far walls are followed from a door's ends: past a wardrobe, not past the next door."""
+CAPPED_RUN_M = 0.4
+"""A wall that goes on so far is a wall, however much longer it is."""
+IN_WALL_M = 0.3
+"""How far the door's line is followed inside the wall: walls of homes are up to 0.3 m thick."""
+JAMB_M = 0.1
+"""How far behind a door's end the wall's thickness is measured, and how far around it cells count as its end."""
+THICKEST_M = 0.5
+"""How far from there to either side."""
+FACE_M = 0.35
+"""How far beside the door's line the face of its wall may lie: half the thickest wall, and a cell."""
 BAD_STEPS = 2
-"""Steps off the face that are allowed."""
+"""Steps off the face that are allowed: a gap of a cell, and a speck."""
+FACE_CELLS = 1.1
+"""How far, in cells, the face's offset may be from the first one: a cell, as walls are drawn, and rounding."""
+FACE_SLOPE = 0.05
+"""How far it may drift in addition, as a share of the way: walls lie slanted by up to 3 degrees."""
 
 
 def in_wall(free: Mask, door: Segments) -> dict[str, Floats]:
     """How far the door's line goes on inside the wall at either end, and how thick the wall is there."""
     solid = Padded(~free, True)
-    reach = 0.3 / door.cell_m
-    on = np.stack([looks(solid, door.start, -door.along, reach), looks(solid, door.end, door.along, reach)])
+    reach = IN_WALL_M / door.cell_m
+    on = np.stack([ray_lengths(solid, door.start, -door.along, reach), ray_lengths(solid, door.end, door.along, reach)])
     thick = []
     for point, sign in ((door.start, -1), (door.end, 1)):
-        inside = point + sign * door.along * (0.1 / door.cell_m)
+        inside = point + sign * door.along * (JAMB_M / door.cell_m)
         set_ = solid.at(*inside.T).astype(np.bool_)
-        sides = [looks(solid, inside, s * door.normal, 0.5 / door.cell_m) for s in (-1, 1)]
-        thick.append(np.where(set_, sides[0] + sides[1] + 1, 0.0))  # and the cell from which one looks
+        sides = [ray_lengths(solid, inside, s * door.normal, THICKEST_M / door.cell_m) for s in (-1, 1)]
+        thick.append(np.where(set_, sides[0] + sides[1] + 1, 0.0))  # and the cell that the rays start in
     both = np.stack(thick)
     return {
         "in_wall_min_m": on.min(axis=0) * door.cell_m,
@@ -46,7 +60,7 @@ def in_wall(free: Mask, door: Segments) -> dict[str, Floats]:
 def ends_known(simplified: SimplifiedGrid, door: Segments) -> dict[str, Floats]:
     """Share of the cells around either end that are walls, not unknown: minimum over the ends."""
     occupied = (simplified.cells == OCCUPIED).astype(np.float64)
-    window = 2 * max(1, round(0.1 / door.cell_m)) + 1
+    window = 2 * max(1, round(JAMB_M / door.cell_m)) + 1
     share = Padded(ndimage.uniform_filter(occupied, window, mode="constant"), 0.0)
     solid = Padded(ndimage.uniform_filter((simplified.cells != FREE).astype(np.float64), window, mode="nearest"), 1.0)
     ends = np.stack([share.at(*p.T) / np.maximum(solid.at(*p.T), 1e-9) for p in (door.start, door.end)])
@@ -58,12 +72,12 @@ def wall_runs(free: Mask, door: Segments) -> dict[str, Floats]:
     grid = Padded(free, False)
     steps = max(1, int(WALL_RUN_M / door.cell_m))
     run, face = np.zeros((2, 2, len(door.length))), np.zeros((2, 2, len(door.length)))
-    depth = np.arange(0, math.ceil(0.35 / door.cell_m) + 1, dtype=np.float64)
+    depth = np.arange(0, math.ceil(FACE_M / door.cell_m) + 1, dtype=np.float64)
     for e, (point, out) in enumerate(((door.start, -1), (door.end, 1))):
         for s, sign in enumerate((-1, 1)):
             run[e, s], face[e, s] = _face_run(grid, point, (out * door.along, sign * door.normal), depth, steps)
     run_m, face_m = run * door.cell_m, face * door.cell_m
-    capped = np.minimum(run_m, 0.4)
+    capped = np.minimum(run_m, CAPPED_RUN_M)
     by_side = run_m.min(axis=0)  # over the ends
     return {
         "run_best_side_m": by_side.max(axis=0),
@@ -83,8 +97,7 @@ def _face_run(
 ) -> tuple[Floats, Floats]:
     """How many steps the wall's face goes on outward from an end, and the face's offset at its beginning, in cells.
 
-    The face is the first free cell across from the door's line; two bad steps are allowed, its offset may drift by
-    1.1 cells and 5 % of the way.
+    The face is the first free cell across from the door's line. `BAD_STEPS` are allowed, and its offset may drift.
     """
     out, across = ways
     at = np.arange(1, steps + 1, dtype=np.float64)
@@ -94,7 +107,7 @@ def _face_run(
     offset = np.where(free.any(axis=2), free.argmax(axis=2), len(depth)).astype(np.float64)
     offset[free[:, :, 0]] = -1.0  # the line itself is free: no wall here
     first = offset[:, :1]
-    good = (offset > 0) & (offset < len(depth)) & (np.abs(offset - first) <= 1.1 + 0.05 * at)
+    good = (offset > 0) & (offset < len(depth)) & (np.abs(offset - first) <= FACE_CELLS + FACE_SLOPE * at)
     bad = np.cumsum(~good, axis=1)
     reached = np.where(good & (bad <= BAD_STEPS), at, 0.0).max(axis=1, initial=0.0)
     return np.where(good[:, 0], reached, 0.0), np.clip(first[:, 0], 0.0, None)

@@ -52,7 +52,7 @@ class NoProof:
 class BoundEnergy:
     """Bound the energy from below, block by block of doors that depend on each other.
 
-    Of a few doors all choices are tried. Of many, the best without rivals is found as an integer programme (a
+    Of a few doors all choices are tried. Of many, the best without conflicts is found as an integer programme (a
     maximum-weight independent set), as if each of them parted rooms, were a further one between them, and made none
     that lacks area. So where the choice found reaches the bound it is optimal.
     """
@@ -92,7 +92,7 @@ def gain_of_few(problem: MergeProblem, blocks: Iterable[Index]) -> float:
 
 
 def gain_of_many(problem: MergeProblem, doors: Index, most_nodes: int) -> float:
-    """Greatest sum of what these doors gain over all sets without rivals, or a bound above it.
+    """Greatest sum of what these doors gain over all sets without conflicts, or a bound above it.
 
     Where the solver does not finish, its bound depends on the order in which it branched, and so on last bits; the
     optimum of the relaxation, in which doors may be kept in part, does not.

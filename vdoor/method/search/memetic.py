@@ -77,7 +77,7 @@ def ordered(problem: MergeProblem, strings: Bits) -> tuple[Bits, Costs]:
 
 
 def greedy(problem: MergeProblem) -> Bits:
-    """The doors (r,) that gain something, the likeliest first, unless a rival is kept; bit 1 = removed."""
+    """The doors (r,) that gain something, the likeliest first, unless one in conflict is kept; bit 1 = removed."""
     removed = np.ones(problem.edges, np.bool_)
     conflicts = FlipState(problem).conflicts
     for edge in np.argsort(-problem.log_odds, kind="stable").tolist():
@@ -88,7 +88,7 @@ def greedy(problem: MergeProblem) -> Bits:
 
 
 def climbed(problem: MergeProblem, removed: Bits) -> Bits:
-    """The string (r,) after flips of single doors, and swaps of a door for its rivals, until none helps."""
+    """The string (r,) after flips of single doors, and swaps of a door for its conflicts, until none helps."""
     state = FlipState(problem, np.flatnonzero(removed).tolist())
     better = True
     while better:

@@ -34,7 +34,7 @@ MEANING = {
     "Narrow places": "skeleton of the free space; where it is narrow (blue), and where not",
     "Cores": "what is left of the free space far from walls, and the rooms that grow back from it",
     "Doors": "proposed doors (blue), rejected ones in a layer for each reason",
-    "Scores": "likely doors from doubtful (orange) to sure (green), unlikely and outdone ones; lines join rivals",
+    "Scores": "likely doors from doubtful (orange) to sure (green), unlikely and outdone ones; lines join conflicts",
     "Initial map": "regions, rooms (yellow) and doors (red) as a graph",
     "Search": "cost, its three terms, kept doors",
     "Rooms": "the result",

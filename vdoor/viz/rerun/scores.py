@@ -15,7 +15,7 @@ from vdoor.viz.rerun.scene import Scene, strips, table
 
 
 def draw_scores(scene: Scene, scores: DoorScores) -> None:
-    """Likely doors in the colour of their log-odds, the others in a layer for each judgement; rivals are joined."""
+    """Likely doors in the colour of their log-odds, the others in a layer for each judgement; lines join conflicts."""
     doors = scene.remembered["doors"]
     start, end = doors.start[scores.door], doors.end[scores.door]
     for code, judgement in enumerate(JUDGEMENTS):
@@ -23,7 +23,7 @@ def draw_scores(scene: Scene, scores: DoorScores) -> None:
         likely = code == LIKELY
         odds = scores.log_odds[own].tolist()
         labels = [
-            f"door {door}: {said:+.2f}{', shut for the second look' if sure else ''}"
+            f"door {door}: {said:+.2f}{', closed in pass 2' if sure else ''}"
             for door, said, sure in zip(scores.door[own], odds, scores.sure[own], strict=True)
         ]
         scene.log(
@@ -43,7 +43,7 @@ def draw_scores(scene: Scene, scores: DoorScores) -> None:
     counts = np.bincount(scores.judgement, minlength=len(JUDGEMENTS))
     judged = ", ".join(f"{count} {word}" for count, word in zip(counts, JUDGEMENTS, strict=True))
     pairs, sure = len(scores.rival_a), int(scores.sure.sum())
-    scene.say(f"{judged}; {pairs} pairs of rivals; {sure} shut for the second look; map {scores.share_rough:.0%} rough")
+    scene.say(f"{judged}; {pairs} pairs in conflict; {sure} closed in pass 2; map {scores.share_rough:.0%} rough")
     table(scene, scores, "scored", without=["feature"])
     if len(scores.door):
         features: dict[str, Any] = {name: scores.feature[:, at] for at, name in enumerate(FEATURES)}

@@ -98,8 +98,8 @@ def _scores_summary(run: History) -> str:
     scores = run.scores
     count = np.bincount(scores.judgement, minlength=len(JUDGEMENTS)).tolist()
     judged = ", ".join(f"{number} {word}" for number, word in zip(count, JUDGEMENTS, strict=True))
-    sure = f"{int(scores.sure.sum())} shut for the second look"
-    return f"{judged}; {len(scores.rival_a)} pairs of rivals; {sure}; map {percent(scores.share_rough)} rough"
+    sure = f"{int(scores.sure.sum())} closed in pass 2"
+    return f"{judged}; {len(scores.rival_a)} pairs in conflict; {sure}; map {percent(scores.share_rough)} rough"
 
 
 def _certificate_summary(run: History) -> str:

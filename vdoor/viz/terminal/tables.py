@@ -113,7 +113,7 @@ def _score_details(run: History, _: int | None, limits: Limits) -> Iterator[Rend
     """Scored doors, the likeliest first, each with the features that speak most for it and against it."""
     scores = run.scores
     order = np.argsort(-scores.log_odds.round(9), kind="stable")
-    rows = table("door", "judgement", "log-odds", "kind", "length m", "middle x,y m", "rivals", "for", "against")
+    rows = table("door", "judgement", "log-odds", "kind", "length m", "middle x,y m", "conflicts", "for", "against")
     for row in order[: limits.rows].tolist():
         door = int(scores.door[row])
         fate = score_fate(run, door)
@@ -126,7 +126,7 @@ def _score_details(run: History, _: int | None, limits: Limits) -> Iterator[Rend
             KINDS[run.doors.kind[door]],
             f"{run.doors.length_m[door]:.2f}",
             point(run, (run.doors.start[door] + run.doors.end[door]) / 2),
-            str(len(fate.rivals)),
+            str(len(fate.conflicts)),
             *(
                 f"{said[0].feature} {said[0].log_odds:+.1f}" if said else ""
                 for said in (fate.reasons_for, fate.reasons_against)
