@@ -16,7 +16,8 @@ from test_why import DOOR_M
 from vdoor.explain import explain
 from vdoor.explain.doors import door_fate
 from vdoor.explain.scores import Conflict, Reason, reasons_of, score_fate
-from vdoor.explain.text import percent, to_lines
+from vdoor.explain.stages import percent
+from vdoor.explain.text import to_lines
 from vdoor.history import History
 from vdoor.method.doors import PROPOSED
 from vdoor.method.scoring.features import FEATURES

@@ -151,3 +151,26 @@ def equal(one: Record, other: Record) -> bool:
         elif a.shape != b.shape or a.tobytes() != b.tobytes():
             return False
     return True
+
+
+def sizes(record: Record) -> str:
+    """One line about a record: the sizes of its rasters and tables, and its numbers."""
+    kind = type(record)
+    found = [
+        f"{name} {' x '.join(map(str, getattr(record, name).shape))}"
+        for name, (spec, _) in specs(kind).items()
+        if spec.kind in RASTERS
+    ]
+    found += [f"{table} {len(getattr(record, columns[0]))}" for table, columns in tables(kind).items()]
+    found += [f"{name} {getattr(record, name):.6g}" for name, (spec, _) in specs(kind).items() if spec.kind in SCALARS]
+    return ", ".join(found)
+
+
+def texts_of(record: Record, column: str) -> list[str]:
+    """The values of one column for people: words for codes, numbers to four digits."""
+    values = np.asarray(getattr(record, column))
+    spec = specs(type(record))[column][0]
+    if spec.words:
+        return [spec.words[code] for code in values.tolist()]
+    rows = values.reshape(len(values), -1).tolist()
+    return [",".join(f"{value:.4g}" if isinstance(value, float) else str(value) for value in row) for row in rows]

@@ -27,6 +27,7 @@ R = TypeVar("R", bound=Record)
 
 STAGES = tuple(record.topic for record in RECORDS)
 SEARCH = Generation.topic
+RECORD_OF = {record.topic: record for record in RECORDS}
 
 
 @dataclass(frozen=True, kw_only=True)
