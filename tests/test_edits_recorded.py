@@ -50,7 +50,7 @@ def test_names_survive_a_recording(tmp_path: Path) -> None:
 
 
 def test_names_that_differ_are_told_by_room() -> None:
-    one, other = flat().edited([f"name {at(2)} Hall"]), flat().edited([f"name {at(2)} Bath"])
+    one, other = vdoor.edited(flat(), [f"name {at(2)} Hall"]), vdoor.edited(flat(), [f"name {at(2)} Bath"])
     (found,) = differences(one, other)
     assert (found.field, found.count, found.worst.expected, found.worst.found) == ("name", 1, "Hall", "Bath")
     (found,) = differences(one, flat())

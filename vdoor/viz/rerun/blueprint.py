@@ -39,7 +39,9 @@ Settings = Mapping[str, Any]
 
 def tabs_of(records: Iterable[type[Record]], settings: Settings) -> tuple[str, ...]:
     """The tabs in which a run that emits these records with these settings has something to show."""
-    shown = [view for view in map(view_of, in_order(records)) if not view.needs or view.needs in settings]
+    shown = [
+        view for view in map(view_of, in_order(records)) if not (view.needs and settings) or view.needs in settings
+    ]
     return tuple(dict.fromkeys([OVERVIEW, *(view.tab for view in shown)]))
 
 
