@@ -121,4 +121,4 @@ def test_open_wall_is_no_closed_door() -> None:
     cells = finished.house(2)
     pipeline = dataclasses.replace(PRESETS["paper"], edit=EditRooms(edits=("closed-door 2,2", "closed-door 0.1,2")))
     grid = OccupancyGrid.from_array(cells, maps.CELL_M)
-    assert pipeline.edit.opened(grid) is grid
+    assert pipeline.edit.open_doors(grid).grid is grid

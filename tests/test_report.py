@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from PIL import Image
 from shapely import Polygon
 
+import vdoor
 from vdoor.emit import RunInfo
 from vdoor.errors import RecordingError, VdoorError
 from vdoor.export import Export, read_finished, to_report

@@ -86,13 +86,11 @@ class Record:
                 continue
             if not isinstance(value, np.ndarray) or value.dtype != dtype or value.ndim != len(spec.axes):
                 found = f"{value.dtype} {value.shape}" if isinstance(value, np.ndarray) else type(value).__name__
-                msg = f"{type(self).__name__}.{name}: wanted {dtype} ({spec.shape}), found {found}"
-                raise RecordingError(msg)
+                raise RecordingError(f"{type(self).__name__}.{name}: wanted {dtype} ({spec.shape}), found {found}")
             for axis, length in zip(spec.axes, value.shape, strict=True):
                 wanted = int(axis) if axis.isdigit() else lengths.setdefault(axis, length)
                 if length != wanted:
-                    msg = f"{type(self).__name__}.{name}: wanted {wanted} along {axis}, found {length}"
-                    raise RecordingError(msg)
+                    raise RecordingError(f"{type(self).__name__}.{name}: wanted {wanted} along {axis}, found {length}")
             frozen = value.view()
             frozen.flags.writeable = False
             object.__setattr__(self, name, frozen)
@@ -100,11 +98,9 @@ class Record:
     def _check_texts(self, name: str, texts: tuple[str, ...], wanted: int) -> None:
         """Raise `RecordingError` for texts that are not lines, or not as many as wanted."""
         if not isinstance(texts, tuple) or not all(isinstance(text, str) and TEXT.fullmatch(text) for text in texts):
-            msg = f"{type(self).__name__}.{name}: wanted lines of at most 100 characters, found others"
-            raise RecordingError(msg)
+            raise RecordingError(f"{type(self).__name__}.{name}: wanted lines of at most 100 characters, found others")
         if len(texts) != wanted:
-            msg = f"{type(self).__name__}.{name}: wanted {wanted} texts or none, found {len(texts)}"
-            raise RecordingError(msg)
+            raise RecordingError(f"{type(self).__name__}.{name}: wanted {wanted} texts or none, found {len(texts)}")
 
 
 def specs(record: type[Record]) -> dict[str, tuple[Spec, np.dtype[Any] | None]]:

@@ -14,6 +14,7 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import ConvexHull, QhullError, cKDTree
 
 from vdoor.evaluate.label_images import Labels, flooded
+from vdoor.raster.labels import contacts
 
 FLOOD_M = 0.30
 """How far rooms flood free cells without label before they touch."""
@@ -60,7 +61,7 @@ def contact_doors(labels: Labels, free: NDArray[np.bool_], resolution_m: float) 
     A door is a connected piece of the border of two rooms, its place the mean of the cell edges it consists of, its
     width their largest extent and a cell.
     """
-    places, rooms = _contacts(flooded(labels, free, round(FLOOD_M / resolution_m)))
+    places, rooms = contacts(flooded(labels, free, round(FLOOD_M / resolution_m)))
     doors, piece = _pieces(places, rooms, GAP_M / resolution_m)
     cells = np.bincount(piece, minlength=doors)
     mean = np.stack([np.bincount(piece, along, minlength=doors) / cells for along in places.T], axis=1)
@@ -69,19 +70,6 @@ def contact_doors(labels: Labels, free: NDArray[np.bool_], resolution_m: float) 
     width_m = (np.hypot(*(ends[:, 1] - ends[:, 0]).T) + 1) * resolution_m
     found = Doors(centre_m=(mean[:, ::-1] + 0.5) * resolution_m, width_m=width_m, ends=ends)
     return found[width_m >= MIN_WIDTH_M]
-
-
-def _contacts(labels: Labels) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
-    """Middles of the edges between cells of two rooms (k, 2) as row, col, and the two rooms (k, 2), lower first."""
-    places, rooms = [], []
-    for here, there, half in (
-        (labels[:, :-1], labels[:, 1:], (0.0, 0.5)),
-        (labels[:-1], labels[1:], (0.5, 0.0)),
-    ):
-        touching = (here != there) & (here > 0) & (there > 0)
-        places.append(np.argwhere(touching) + half)
-        rooms.append(np.sort(np.stack([here[touching], there[touching]], axis=1), axis=1))
-    return np.concatenate(places), np.concatenate(rooms)
 
 
 def _pieces(places: NDArray[np.float64], rooms: NDArray[np.int32], gap: float) -> tuple[int, NDArray[np.int32]]:

@@ -59,14 +59,13 @@ def from_text(text: Mapping[str, str], attachments: Sequence[Attached]) -> RunIn
         )
         sums = _of(list, json.loads(text["source_sha256"]))
     except KeyError as error:
-        msg = f"recording metadata: wanted an entry {error}, found {', '.join(text)}"
-        raise RecordingError(msg) from error
+        raise RecordingError(f"recording metadata: wanted an entry {error}, found {', '.join(text)}") from error
     except (TypeError, ValueError, RecursionError) as error:
-        msg = f"recording metadata: wanted the texts of a run, found others ({error})"
-        raise RecordingError(msg) from error
+        raise RecordingError(f"recording metadata: wanted the texts of a run, found others ({error})") from error
     if [name for name, _ in files] != names or [_sha256(data) for _, data in files] != sums:
-        msg = f"recording attachments: wanted {', '.join(names)} as recorded, found other names or bytes"
-        raise RecordingError(msg)
+        raise RecordingError(
+            f"recording attachments: wanted {', '.join(names)} as recorded, found other names or bytes"
+        )
     return info
 
 
@@ -92,23 +91,21 @@ def source_names(text: Mapping[str, str]) -> list[str]:
     """
     is_ours = text.get("schema") == SCHEMA
     if (CHECKSUM in text or is_ours) and text.get(CHECKSUM) != _checksum(text):
-        msg = "recording metadata: wanted texts with the recorded checksum, found them damaged"
-        raise RecordingError(msg)
+        raise RecordingError("recording metadata: wanted texts with the recorded checksum, found them damaged")
     if not is_ours:
         found = f"{text.get('schema')} (written by vdoor {text.get('version', 'unknown')})"
-        msg = f"recording schema: wanted {SCHEMA}, found {found}; read it with that version, or record it again"
-        raise RecordingError(msg)
+        raise RecordingError(
+            f"recording schema: wanted {SCHEMA}, found {found}; read it with that version, or record it again"
+        )
     try:
         return [str(name) for name in _of(list, json.loads(text["source_files"]))]
     except (KeyError, TypeError, ValueError, RecursionError) as error:
-        msg = f"recording metadata: wanted a list of source files, found none ({error})"
-        raise RecordingError(msg) from error
+        raise RecordingError(f"recording metadata: wanted a list of source files, found none ({error})") from error
 
 
 def _of(kind: type, value: Any) -> Any:
     if not isinstance(value, kind):
-        msg = f"{type(value).__name__} for a {kind.__name__}"
-        raise TypeError(msg)
+        raise TypeError(f"{type(value).__name__} for a {kind.__name__}")
     return value
 
 
