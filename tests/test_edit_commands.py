@@ -24,7 +24,7 @@ import vdoor
 from vdoor import export
 from vdoor.editing.edits import append_edits, parse, read_edits
 from vdoor.export import read_finished
-from vdoor.export.node_link import schema
+from vdoor.export.graphs import schema
 from vdoor.results.writing import document_of, write_result
 
 

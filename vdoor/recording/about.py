@@ -1,16 +1,15 @@
-"""What a recording says about itself: the run's settings and source as text, and back."""
+"""What a recording contains about itself: the run's settings and source as text, and the map's files, packed."""
 
 from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import Any, NamedTuple
 
 from vdoor.emit import RunInfo
 from vdoor.errors import RecordingError
 from vdoor.grid import Source
-from vdoor.recording.attached import Attached, files_of
 
 CHECKSUM = "checksum"
 """Entry with the SHA-256 of all others: the file's own checksum comes too late for who reads only the settings."""
@@ -18,6 +17,13 @@ LOST = RunInfo(version="unknown", preset="lost", seed=-1, settings={})
 """What is said of a run that was recovered without its settings."""
 SCHEMA = "1"
 """Raised when a recording of before can no longer be read; a record's own fields are checked one by one beside it."""
+
+
+ENDING = ".zst"
+LEVEL = 9
+"""More packs these maps hardly smaller."""
+UNPACKED_TO = 2**28
+"""Bytes of all packed files of a recording together, unpacked; what goes beyond that is stored as it is."""
 
 
 def digest(source: Source) -> str:
@@ -115,3 +121,57 @@ def _checksum(text: Mapping[str, str]) -> str:
 
 def _sha256(data: bytes) -> str:
     return hashlib.sha256(data).hexdigest()
+
+
+PACKED, PLAIN = "application/zstd", "application/octet-stream"
+
+
+class Attached(NamedTuple):
+    """One attachment."""
+
+    name: str
+    media_type: str
+    data: bytes
+
+
+def attached(files: Iterable[tuple[str, bytes]]) -> Iterator[Attached]:
+    """Files by name as they are stored; equal files give equal bytes."""
+    import zstandard  # noqa: PLC0415  # only recordings need it
+
+    left = UNPACKED_TO
+    for name, data in files:
+        if len(data) > left:
+            yield Attached(name, PLAIN, data)
+            continue
+        left -= len(data)
+        yield Attached(name + ENDING, PACKED, zstandard.ZstdCompressor(level=LEVEL).compress(data))
+
+
+def files_of(attachments: Iterable[Attached]) -> list[tuple[str, bytes]]:
+    """The files by name; recordings of before hold all of them as they are.
+
+    Raises `RecordingError` where one is damaged, or claims to be larger than those that are stored packed.
+    """
+    files, left = [], UNPACKED_TO
+    for name, media_type, data in attachments:
+        if media_type != PACKED:
+            files.append((name, data))
+            continue
+        content = _unpacked(name, data, left)
+        left -= len(content)
+        files.append((name.removesuffix(ENDING), content))
+    return files
+
+
+def _unpacked(name: str, data: bytes, most: int) -> bytes:
+    """Content of one packed file, for which room is made once its size is known to be allowed."""
+    import zstandard  # noqa: PLC0415  # only recordings need it
+
+    try:
+        size = zstandard.frame_content_size(data)
+        if not 0 <= size <= most:
+            found = f"one that claims {size}" if size >= 0 else "one that does not say"
+            raise RecordingError(f"attachment {name}: wanted at most {most} bytes unpacked, found {found}")
+        return zstandard.ZstdDecompressor().decompress(data, allow_extra_data=False)
+    except zstandard.ZstdError as error:
+        raise RecordingError(f"attachment {name}: wanted bytes packed with zstd, found others ({error})") from error

@@ -25,7 +25,7 @@ from vdoor.grid import OccupancyGrid
 from vdoor.interrupts import held_signals
 from vdoor.record import Record
 from vdoor.recording import about, codec, ros, viewers
-from vdoor.recording.attached import Attached, attached
+from vdoor.recording.about import Attached, attached
 
 if TYPE_CHECKING:
     from mcap.records import McapRecord, Message

@@ -1,4 +1,4 @@
-"""Virtual doors of maps whose real doors are known: what the curves are fitted to."""
+"""Virtual doors of maps whose real doors are known, synthetic or labelled: what the curves are fitted to."""
 
 from __future__ import annotations
 
