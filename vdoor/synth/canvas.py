@@ -1,21 +1,104 @@
-"""The fine raster of room numbers that homes and offices are drawn on, and how it is laid on a map's cells."""
+"""The fine raster that maps are drawn on, the shapes drawn on it in metres, and how it is laid on a map's cells."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vdoor.frame import Frame
-from vdoor.synth.plan import Rect
-from vdoor.synth.settings import FINE_M
 
+FINE_M = 0.025
+"""Side of a cell of the raster that everything is drawn on."""
+LATTICE_M = 0.05
+"""Walls, doors and furniture of apartments begin and end on multiples of this, so that 5 cm cells show them exactly."""
+Axis = Literal[0, 1]
+"""x or y."""
 Rooms = NDArray[np.int32]
 Shape = NDArray[np.float64]
 """Corners (k, 2) as x, y of a convex polygon, counter-clockwise."""
+
+
+def fine(value_m: float) -> float:
+    """Return the nearest multiple of `FINE_M`."""
+    return round(value_m / FINE_M) * FINE_M
+
+
+def snap(value_m: float) -> float:
+    """Return the nearest multiple of `LATTICE_M`."""
+    return round(value_m / LATTICE_M) / round(1 / LATTICE_M)
+
+
+def lattice_range(low_m: float, high_m: float) -> range:
+    """Return which multiples of `LATTICE_M` lie between the two, both included."""
+    return range(math.ceil(low_m / LATTICE_M - 1e-6), math.floor(high_m / LATTICE_M + 1e-6) + 1)
+
+
+def square_to(axis: Axis) -> Axis:
+    """Return the axis at a right angle to this one."""
+    return 1 if axis == 0 else 0
+
+
+@dataclass(frozen=True)
+class Rect:
+    """An upright rectangle; `low` and `high` are (x, y) of its lower left and upper right corners."""
+
+    low: tuple[float, float]
+    high: tuple[float, float]
+
+    @property
+    def sides(self) -> tuple[float, float]:
+        """Width and height."""
+        return self.high[0] - self.low[0], self.high[1] - self.low[1]
+
+    @property
+    def area(self) -> float:
+        """Width times height."""
+        return math.prod(self.sides)
+
+    @property
+    def middle(self) -> tuple[float, float]:
+        """Its centre."""
+        return (self.low[0] + self.high[0]) / 2, (self.low[1] + self.high[1]) / 2
+
+    def grown(self, x_m: float, y_m: float) -> Rect:
+        """Return a rectangle with `x_m` more to the left and right, `y_m` more below and above."""
+        return Rect((self.low[0] - x_m, self.low[1] - y_m), (self.high[0] + x_m, self.high[1] + y_m))
+
+    def spanning(self, axis: Axis, low: float, high: float) -> Rect:
+        """Return the rectangle with its extent along `axis` replaced."""
+        if axis == 0:
+            return Rect((low, self.low[1]), (high, self.high[1]))
+        return Rect((self.low[0], low), (self.high[0], high))
+
+    def overlaps(self, other: Rect) -> bool:
+        """Whether the two have area in common (a hair's breadth is none)."""
+        return all(self.low[k] < other.high[k] - 1e-6 and other.low[k] < self.high[k] - 1e-6 for k in (0, 1))
+
+    def holds(self, other: Rect) -> bool:
+        """Whether `other` lies inside."""
+        return all(self.low[k] < other.low[k] + 1e-6 and other.high[k] < self.high[k] + 1e-6 for k in (0, 1))
+
+
+def turned_box(middle: tuple[float, float], sides: tuple[float, float], angle_rad: float = 0.0) -> Shape:
+    """Return a rectangle about `middle`, turned."""
+    corners = np.array([(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)]) * sides
+    cos, sin = math.cos(angle_rad), math.sin(angle_rad)
+    return np.asarray(corners @ np.array([(cos, sin), (-sin, cos)]) + middle)
+
+
+def box(rect: Rect) -> Shape:
+    """Return an upright rectangle as a shape."""
+    return turned_box(rect.middle, rect.sides)
+
+
+def disc(middle: tuple[float, float], radius_m: float) -> Shape:
+    """Return a regular polygon of twelve corners."""
+    angle = np.arange(12) * math.pi / 6
+    return np.asarray(np.stack([np.cos(angle), np.sin(angle)], axis=1) * radius_m + middle)
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,21 +207,3 @@ def _sampled(raster: NDArray[Any], source: Frame, target: Frame) -> NDArray[Any]
     known = (row >= 0) & (row < source.height) & (col >= 0) & (col < source.width)
     at = np.where(known, row * source.width + col, 0)
     return np.where(known, raster.ravel()[at], 0).astype(raster.dtype)
-
-
-def turned_box(middle: tuple[float, float], sides: tuple[float, float], angle_rad: float = 0.0) -> Shape:
-    """Return a rectangle about `middle`, turned."""
-    corners = np.array([(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)]) * sides
-    cos, sin = math.cos(angle_rad), math.sin(angle_rad)
-    return np.asarray(corners @ np.array([(cos, sin), (-sin, cos)]) + middle)
-
-
-def box(rect: Rect) -> Shape:
-    """Return an upright rectangle as a shape."""
-    return turned_box(rect.middle, rect.sides)
-
-
-def disc(middle: tuple[float, float], radius_m: float) -> Shape:
-    """Return a regular polygon of twelve corners."""
-    angle = np.arange(12) * math.pi / 6
-    return np.asarray(np.stack([np.cos(angle), np.sin(angle)], axis=1) * radius_m + middle)

@@ -10,10 +10,9 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from vdoor.grid import FREE, OCCUPIED, UNKNOWN
-from vdoor.synth.canvas import Canvas, Placed, Rooms
+from vdoor.synth.canvas import FINE_M, Canvas, Placed, Rooms
 from vdoor.synth.layout import Layout
 from vdoor.synth.scan import EIGHT, Cells, Mask
-from vdoor.synth.settings import FINE_M
 from vdoor.synth.wall_gaps import FREE_FACE, JAMB_M, SHUT, THROUGH, gap_raster
 from vdoor.synth.wall_style import Grey, Hollow, Style
 

@@ -9,8 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import ndimage
 
-from vdoor.synth.plan import Axis, Door, Plan, Rect
-from vdoor.synth.settings import FINE_M, Apartment, snap
+from vdoor.synth.canvas import FINE_M, Axis, Rect, snap, square_to
+from vdoor.synth.plan import Door, Plan
+from vdoor.synth.settings import Apartment
 
 TRIES = 12
 ROOM_TO_PASS_M = 0.34
@@ -76,7 +77,7 @@ def _furnish_room(plan: Plan, room: int, settings: Apartment, rng: np.random.Gen
 def _against_wall(floor: Rect, aisle_m: float, rng: np.random.Generator) -> Piece:
     """Return a cupboard, sofa or bed along one of the four walls, with the aisle in front of it as its space."""
     along: Axis = 0 if rng.random() < 0.5 else 1  # noqa: PLR2004  # either wall
-    across: Axis = 1 if along == 0 else 0
+    across = square_to(along)
     length, depth = snap(rng.uniform(0.4, 2.0)), snap(rng.uniform(0.3, 0.8))
     slack = floor.sides[along] - length
     offset = rng.uniform(0.0, 1.0) * slack

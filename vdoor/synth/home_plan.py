@@ -8,9 +8,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vdoor.synth.home_settings import Home
-from vdoor.synth.layout import Gap, Layout, SlantingGap, connected, fine, placed_door, walls_between
-from vdoor.synth.plan import Axis, Rect
+from vdoor.synth.canvas import Axis, Rect, fine, square_to
+from vdoor.synth.layout import Gap, Layout, SlantingGap, connected, placed_door, walls_between
+from vdoor.synth.settings import Home
 
 MARGIN_M = 0.5
 CORRIDOR_FROM_M2 = 45.0
@@ -65,7 +65,7 @@ def _rooms(inside: Rect, settings: Home, rng: np.random.Generator) -> tuple[list
 def _around_corridor(inside: Rect, settings: Home, rng: np.random.Generator) -> tuple[list[Rect], Rect | None]:
     """Return what a corridor leaves, and the corridor: through all of the home, or ending before a part of it."""
     along: Axis = 0 if inside.sides[0] >= inside.sides[1] else 1
-    across: Axis = 1 if along == 0 else 0
+    across = square_to(along)
     through = rng.random() < 0.5  # noqa: PLR2004  # as often as not
     pieces = [inside] if through else _halves(inside, along, rng.uniform(0.25, 0.75), settings, rng)
     main = max(pieces, key=lambda piece: piece.area)
@@ -91,8 +91,7 @@ def _divided(part: Rect, largest_m2: float, settings: Home, rng: np.random.Gener
     if part.area <= largest_m2 * rng.uniform(0.5, 1.0):
         return [part]
     axis: Axis = 0 if part.sides[0] > part.sides[1] * rng.uniform(0.75, 1.33) else 1
-    other: Axis = 1 if axis == 0 else 0
-    for cut in (axis, other):
+    for cut in (axis, square_to(axis)):
         halves = _halves(part, cut, rng.uniform(0.3, 0.7), settings, rng)
         if len(halves) > 1:
             return [room for half in halves for room in _divided(half, largest_m2, settings, rng)]
@@ -160,7 +159,7 @@ def _set_back(rooms: list[Rect], settings: Home, rng: np.random.Generator) -> tu
 
 def _corner(main: Rect, door: Rect, back: Rect, axis: Axis, settings: Home) -> bool:
     """Whether `door` and `back` lie side by side along one wall of `main`, with room for a slanting door between."""
-    along: Axis = 1 if axis == 0 else 0
+    along = square_to(axis)
     walls = [list(walls_between(main, other, settings.wall_max_m, 1.2)) for other in (door, back)]
     if not all(len(found) == 1 and found[0].axis == axis for found in walls):
         return False

@@ -10,11 +10,9 @@ import numpy as np
 
 from vdoor.synth.apartment import draw_apartment
 from vdoor.synth.home import draw_home
-from vdoor.synth.home_settings import Home
 from vdoor.synth.made import SyntheticMap
 from vdoor.synth.office import draw_office
-from vdoor.synth.office_settings import Office
-from vdoor.synth.settings import Apartment
+from vdoor.synth.settings import Apartment, Home, Office
 
 DRAW: Mapping[type, Callable[[Any, np.random.Generator], SyntheticMap]] = MappingProxyType(
     {

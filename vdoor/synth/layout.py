@@ -9,9 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from vdoor.synth.canvas import Canvas, Shape
-from vdoor.synth.plan import Axis, Rect
-from vdoor.synth.settings import FINE_M
+from vdoor.synth.canvas import FINE_M, Axis, Canvas, Rect, Shape, fine, square_to
 
 HAIR_M = 1e-6
 
@@ -30,7 +28,7 @@ class Gap:
     @property
     def along(self) -> Axis:
         """The axis on which the wall runs."""
-        return 1 if self.axis == 0 else 0
+        return square_to(self.axis)
 
     @property
     def ends(self) -> NDArray[np.float64]:
@@ -124,11 +122,6 @@ def drawn(layout: Layout) -> Drawn:
         elif bool(a) != bool(b):
             shut.append(gap)
     return Drawn(canvas, tuple(opened), tuple(shut))
-
-
-def fine(value_m: float) -> float:
-    """Return the nearest multiple of the fine raster's cell."""
-    return round(value_m / FINE_M) * FINE_M
 
 
 def walls_between(a: Rect, b: Rect, thickest_m: float, needs_m: float) -> Iterator[Gap]:

@@ -8,9 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vdoor.grid import OccupancyGrid
-from vdoor.synth.home_settings import Home
-from vdoor.synth.office_settings import Office
-from vdoor.synth.settings import Apartment
+from vdoor.synth.settings import Apartment, Home, Office
 
 
 @dataclass(frozen=True)

@@ -7,9 +7,9 @@ import math
 
 import numpy as np
 
-from vdoor.synth.layout import Gap, connected, fine, placed_door, walls_between
+from vdoor.synth.canvas import Axis, fine
+from vdoor.synth.layout import Gap, connected, placed_door, walls_between
 from vdoor.synth.office_sketch import Sketch
-from vdoor.synth.plan import Axis
 
 DOUBLE_M = (1.4, 2.0)
 OPENING_M = (1.2, 2.6)

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from vdoor.synth.layout import Gap, fine
+from vdoor.synth.canvas import Axis, Rect, fine, square_to
+from vdoor.synth.layout import Gap
 from vdoor.synth.office_sketch import Sketch
-from vdoor.synth.plan import Axis, Rect
 
 BLOCK_M, BLOCK_GAP_M = (0.1, 0.8), (0.45, 1.8)
 """Thickness of what parts a hall, and the openings left in it."""
@@ -37,7 +37,7 @@ def divide_hall(sketch: Sketch, hall: Rect) -> None:
     """Part a hall by a row of blocks with openings between them, through all of which one can walk."""
     rng = sketch.rng
     along: Axis = 0 if hall.sides[0] < hall.sides[1] else 1
-    across: Axis = 1 if along == 0 else 0
+    across = square_to(along)
     at = fine(hall.low[across] + hall.sides[across] * rng.uniform(0.3, 0.7))
     row = hall.spanning(across, at, fine(at + rng.uniform(*BLOCK_M)))
     count = int(rng.integers(1, 6))
@@ -65,7 +65,7 @@ def _screen(floor: Rect, sketch: Sketch) -> Rect:
     """Return a short thin wall on a floor, free or from one of its walls on."""
     rng = sketch.rng
     along: Axis = 0 if sketch.chance(0.5) else 1
-    across: Axis = 1 if along == 0 else 0
+    across = square_to(along)
     length = fine(rng.uniform(0.6, min(3.0, 0.4 * floor.sides[along])))
     beside_m = 0.0 if sketch.chance(0.4) else AWAY_M
     low = fine(rng.uniform(floor.low[along] + beside_m, floor.high[along] - beside_m - length))

@@ -6,12 +6,12 @@ import itertools
 
 import numpy as np
 
-from vdoor.synth.layout import Gap, Layout, fine
+from vdoor.synth.canvas import Axis, Rect, fine, square_to
+from vdoor.synth.layout import Gap, Layout
 from vdoor.synth.office_doors import add_doors, close_corridors
 from vdoor.synth.office_halls import divide_hall, end_hall, open_hall, put_screens
-from vdoor.synth.office_settings import Office
 from vdoor.synth.office_sketch import Sketch
-from vdoor.synth.plan import Axis, Rect
+from vdoor.synth.settings import Office
 
 MARGIN_M = 1.0
 CUBICLE_M = (2.0, 3.6)
@@ -141,7 +141,7 @@ def _row(sketch: Sketch, rect: Rect, along: Axis) -> list[Rect]:
             width = end - at
         rooms.append(rect.spanning(along, at, at + width))
         at += width + sketch.wall_m
-    return [part for room in rooms for part in _with_anteroom(sketch, room, 1 if along == 0 else 0)]
+    return [part for room in rooms for part in _with_anteroom(sketch, room, square_to(along))]
 
 
 def _part_crossings(sketch: Sketch, mains: list[Rect], crossing: list[tuple[float, float]]) -> None:

@@ -6,9 +6,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from vdoor.synth.layout import Gap, fine
-from vdoor.synth.office_settings import Office
-from vdoor.synth.plan import Axis, Rect
+from vdoor.synth.canvas import Axis, Rect, fine
+from vdoor.synth.layout import Gap
+from vdoor.synth.settings import Office
 
 
 @dataclass

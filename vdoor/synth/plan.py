@@ -6,58 +6,16 @@ import itertools
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 
 from vdoor.errors import SettingError
-from vdoor.synth.settings import LATTICE_M, Apartment, lattice_range, snap
+from vdoor.synth.canvas import LATTICE_M, Axis, Rect, lattice_range, snap, square_to
+from vdoor.synth.settings import Apartment
 
 TRIES = 300
 NEAR_CORNER_M = 0.2
 CORRIDOR_NEEDS_ROOMS = 4
-Axis = Literal[0, 1]
-
-
-@dataclass(frozen=True)
-class Rect:
-    """An upright rectangle; `low` and `high` are (x, y) of its lower left and upper right corners."""
-
-    low: tuple[float, float]
-    high: tuple[float, float]
-
-    @property
-    def sides(self) -> tuple[float, float]:
-        """Width and height."""
-        return self.high[0] - self.low[0], self.high[1] - self.low[1]
-
-    @property
-    def area(self) -> float:
-        """Width times height."""
-        return math.prod(self.sides)
-
-    @property
-    def middle(self) -> tuple[float, float]:
-        """Its centre."""
-        return (self.low[0] + self.high[0]) / 2, (self.low[1] + self.high[1]) / 2
-
-    def grown(self, x_m: float, y_m: float) -> Rect:
-        """Return a rectangle with `x_m` more to the left and right, `y_m` more below and above."""
-        return Rect((self.low[0] - x_m, self.low[1] - y_m), (self.high[0] + x_m, self.high[1] + y_m))
-
-    def spanning(self, axis: Axis, low: float, high: float) -> Rect:
-        """Return the rectangle with its extent along `axis` replaced."""
-        if axis == 0:
-            return Rect((low, self.low[1]), (high, self.high[1]))
-        return Rect((self.low[0], low), (self.high[0], high))
-
-    def overlaps(self, other: Rect) -> bool:
-        """Whether the two have area in common (a hair's breadth is none)."""
-        return all(self.low[k] < other.high[k] - 1e-6 and other.low[k] < self.high[k] - 1e-6 for k in (0, 1))
-
-    def holds(self, other: Rect) -> bool:
-        """Whether `other` lies inside."""
-        return all(self.low[k] < other.low[k] + 1e-6 and other.high[k] < self.high[k] + 1e-6 for k in (0, 1))
 
 
 @dataclass(frozen=True)
@@ -169,7 +127,7 @@ def _shared_walls(rooms: Sequence[Rect], pair: tuple[int, int], settings: Apartm
     """Yield the wall between two rooms as one wide gap, if it can hold the widest door and its jambs."""
     axes: tuple[Axis, Axis] = (0, 1)
     for axis, (a, b) in itertools.product(axes, (pair, pair[::-1])):
-        along: Axis = 1 if axis == 0 else 0
+        along = square_to(axis)
         faces = rooms[a].high[axis], rooms[b].low[axis]
         low, high = max(rooms[k].low[along] for k in pair), min(rooms[k].high[along] for k in pair)
         near = 0.0 < faces[1] - faces[0] <= settings.wall_max_m + 1e-6
@@ -179,7 +137,7 @@ def _shared_walls(rooms: Sequence[Rect], pair: tuple[int, int], settings: Apartm
 
 def _place(wall: Door, settings: Apartment, rng: np.random.Generator) -> Door:
     """Return a door somewhere in a shared wall, mostly near one of its ends."""
-    along: Axis = 1 if wall.axis == 0 else 0
+    along = square_to(wall.axis)
     width = _between(settings.door_min_m, settings.door_max_m, rng)
     jamb = math.ceil(settings.jamb_m / LATTICE_M - 1e-6) * LATTICE_M
     slack = max(0.0, wall.gap.sides[along] - 2 * jamb - width)

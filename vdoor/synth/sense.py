@@ -9,9 +9,10 @@ import numpy as np
 from scipy import ndimage
 
 from vdoor.grid import FREE, OCCUPIED, UNKNOWN
+from vdoor.synth.canvas import FINE_M, LATTICE_M, Axis, Rect, snap, square_to
 from vdoor.synth.furnish import BESIDE_DOOR_M
-from vdoor.synth.plan import Axis, Plan, Rect
-from vdoor.synth.settings import FINE_M, LATTICE_M, Apartment, snap
+from vdoor.synth.plan import Plan
+from vdoor.synth.settings import Apartment
 from vdoor.synth.sheet import Sheet
 
 BUMP_M = LATTICE_M
@@ -36,7 +37,7 @@ class Face:
     @property
     def along(self) -> Axis:
         """The axis on which the wall runs."""
-        return 1 if self.axis == 0 else 0
+        return square_to(self.axis)
 
     @property
     def at_m(self) -> float:

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from vdoor.frame import Frame
 from vdoor.grid import FREE, OCCUPIED, UNKNOWN
-from vdoor.synth.plan import Plan, Rect
-from vdoor.synth.settings import FINE_M
+from vdoor.synth.canvas import FINE_M, Rect
+from vdoor.synth.plan import Plan
 
 
 @dataclass(frozen=True, eq=False)

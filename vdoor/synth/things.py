@@ -7,9 +7,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from vdoor.synth.canvas import Shape, box, turned_box
-from vdoor.synth.layout import Gap, fine
-from vdoor.synth.plan import Axis, Rect
+from vdoor.synth.canvas import Axis, Rect, Shape, box, fine, square_to, turned_box
+from vdoor.synth.layout import Gap
 
 LEAF_M = 0.05
 PASSAGE_M = 0.6
@@ -26,7 +25,7 @@ def against_wall(
     A jagged one has a front of several depths, as where things stand side by side.
     """
     along: Axis = 0 if rng.random() < 0.5 else 1  # noqa: PLR2004  # either wall
-    across: Axis = 1 if along == 0 else 0
+    across = square_to(along)
     length, depth = fine(rng.uniform(*length_m)), fine(rng.uniform(*depth_m))
     slack = floor.sides[along] - length
     if slack < 0 or floor.sides[across] - depth < PASSAGE_M:

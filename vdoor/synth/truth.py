@@ -11,10 +11,9 @@ from scipy import ndimage
 from vdoor.frame import Frame
 from vdoor.grid import UNKNOWN, OccupancyGrid
 from vdoor.synth.canvas import Placed, Rooms
-from vdoor.synth.home_settings import Home
 from vdoor.synth.layout import Opened
 from vdoor.synth.made import SyntheticMap, TrueDoor
-from vdoor.synth.office_settings import Office
+from vdoor.synth.settings import Home, Office
 
 MARGIN = 2
 """Unknown cells around what is known."""

@@ -8,11 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vdoor.grid import FREE
-from vdoor.synth.canvas import Canvas
+from vdoor.synth.canvas import FINE_M, Axis, Canvas, Rect
 from vdoor.synth.layout import Layout
-from vdoor.synth.plan import Axis, Rect
 from vdoor.synth.sense import Face
-from vdoor.synth.settings import FINE_M
 from vdoor.synth.wall_style import PIECE_M, THIN_M, Gaps
 
 CORNER_M = 0.2

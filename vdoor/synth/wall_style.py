@@ -10,8 +10,7 @@ from typing import Literal, TypeVar
 import numpy as np
 
 from vdoor.grid import FREE, UNKNOWN
-from vdoor.synth.home_settings import Home
-from vdoor.synth.office_settings import Office
+from vdoor.synth.settings import Home, Office
 
 Part = Literal["all", "inner", "rooms"]
 Kind = TypeVar("Kind", Home, Office)
