@@ -12,11 +12,11 @@ from vdoor.frame import Frame
 from vdoor.grid import FREE, OCCUPIED, OccupancyGrid
 from vdoor.synth.canvas import FINE_M
 from vdoor.synth.furnish import furnish
-from vdoor.synth.made import SyntheticMap, TrueDoor
 from vdoor.synth.plan import Door, draw_plan
 from vdoor.synth.sense import cast_rays, hide_what_walls_hide, rough_walls, speckle
 from vdoor.synth.settings import Apartment
 from vdoor.synth.sheet import Sheet, draw_walls, reduced, turned, turned_frame
+from vdoor.synth.truth import SyntheticMap, TrueDoor
 
 
 def draw_apartment(settings: Apartment, rng: np.random.Generator) -> SyntheticMap:

@@ -12,9 +12,8 @@ from vdoor.synth.canvas import Canvas, Placed, Rect, Shape, box
 from vdoor.synth.drawn_walls import Walls, draw_walls
 from vdoor.synth.home_plan import draw_home_plan
 from vdoor.synth.layout import Drawn, Gap, Layout, Opened, SlantingGap, drawn, keep_passable
-from vdoor.synth.made import SyntheticMap
 from vdoor.synth.settings import Home
-from vdoor.synth.truth import with_truth
+from vdoor.synth.truth import SyntheticMap, with_truth
 from vdoor.synth.wall_style import drawn_style, planned
 
 AROUND_M = 4.0

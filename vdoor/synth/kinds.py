@@ -10,9 +10,9 @@ import numpy as np
 
 from vdoor.synth.apartment import draw_apartment
 from vdoor.synth.home import draw_home
-from vdoor.synth.made import SyntheticMap
 from vdoor.synth.office import draw_office
 from vdoor.synth.settings import Apartment, Home, Office
+from vdoor.synth.truth import SyntheticMap
 
 DRAW: Mapping[type, Callable[[Any, np.random.Generator], SyntheticMap]] = MappingProxyType(
     {

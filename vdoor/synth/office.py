@@ -9,10 +9,9 @@ from vdoor.synth.canvas import Canvas, Rect, Shape, box, disc, turned_box
 from vdoor.synth.drawn_walls import Walls, draw_walls
 from vdoor.synth.home import turn
 from vdoor.synth.layout import Layout, drawn, keep_passable
-from vdoor.synth.made import SyntheticMap
 from vdoor.synth.office_plan import draw_office_plan
 from vdoor.synth.settings import Office
-from vdoor.synth.truth import with_truth
+from vdoor.synth.truth import SyntheticMap, with_truth
 from vdoor.synth.wall_style import drawn_style, planned
 
 AROUND_M = 2.0

@@ -8,9 +8,7 @@ import numpy as np
 
 from vdoor.synth.canvas import Axis, Rect, fine, square_to
 from vdoor.synth.layout import Gap, Layout
-from vdoor.synth.office_doors import add_doors, close_corridors
-from vdoor.synth.office_halls import divide_hall, end_hall, open_hall, put_screens
-from vdoor.synth.office_sketch import Sketch
+from vdoor.synth.office_parts import Sketch, add_doors, close_corridors, divide_hall, end_hall, open_hall, put_screens
 from vdoor.synth.settings import Office
 
 MARGIN_M = 1.0

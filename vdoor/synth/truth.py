@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,13 +13,36 @@ from vdoor.frame import Frame
 from vdoor.grid import UNKNOWN, OccupancyGrid
 from vdoor.synth.canvas import Placed, Rooms
 from vdoor.synth.layout import Opened
-from vdoor.synth.made import SyntheticMap, TrueDoor
-from vdoor.synth.settings import Home, Office
+from vdoor.synth.settings import Apartment, Home, Office
 
 MARGIN = 2
 """Unknown cells around what is known."""
 LEAST_M2 = 0.25
 """A room of which less is in reach is part of its neighbour."""
+
+
+@dataclass(frozen=True)
+class TrueDoor:
+    """A real door: from jamb to jamb in the middle of its wall, in metres of the map frame."""
+
+    start_m: tuple[float, float]
+    end_m: tuple[float, float]
+    width_m: float
+    rooms: tuple[int, int]
+    """Labels of the two rooms, the lower one first."""
+    unsure: bool = False
+    """An opening of which a person could not say whether it parts two rooms: found or not, it counts for nobody."""
+
+
+@dataclass(frozen=True, eq=False)
+class SyntheticMap:
+    """A map and the truth about it."""
+
+    grid: OccupancyGrid
+    rooms: NDArray[np.int32]
+    """Room of each free cell (h, w), from 1; 0 where not free, free but out of reach of the rooms, or within a wall."""
+    doors: tuple[TrueDoor, ...]
+    settings: Apartment | Home | Office
 
 
 def with_truth(

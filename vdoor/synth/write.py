@@ -14,7 +14,7 @@ from PIL import Image
 
 from vdoor.files import make_folder, write_whole
 from vdoor.frame import Frame
-from vdoor.synth.made import SyntheticMap, TrueDoor
+from vdoor.synth.truth import SyntheticMap, TrueDoor
 
 GREY_OCCUPIED, GREY_UNKNOWN, GREY_FREE = 0, 205, 254
 OCCUPIED_THRESH, FREE_THRESH = 0.65, 0.196
