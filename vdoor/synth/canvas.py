@@ -18,6 +18,9 @@ LATTICE_M = 0.05
 Axis = Literal[0, 1]
 """x or y."""
 Rooms = NDArray[np.int32]
+"""Number of the room of each cell (h, w), 0 for none."""
+Cells = NDArray[np.int8]
+"""State of each cell (h, w) as in `OccupancyGrid`."""
 Shape = NDArray[np.float64]
 """Corners (k, 2) as x, y of a convex polygon, counter-clockwise."""
 
@@ -159,14 +162,19 @@ class Canvas:
 
         Around it are `margin_m` and up to a cell more, by `phase` (two shares of a cell); the origin is (0, 0).
         """
+        source, (wide_m, high_m) = self.turned(yaw_rad, (margin_m + phase[0] * cell_m, margin_m + phase[1] * cell_m))
+        rows, cols = (math.ceil((side_m + 2 * margin_m) / cell_m) + 1 for side_m in (high_m, wide_m))
+        target = Frame(rows, cols, cell_m)
+        return Placed(_sampled(self.rooms, source, target), source, cell_m)
+
+    def turned(self, yaw_rad: float, low_m: tuple[float, float] = (0.0, 0.0)) -> tuple[Frame, tuple[float, float]]:
+        """Return where the turned canvas lies with its lowest x and y at `low_m`, and how wide and high it is then."""
         height, width = self.rooms.shape
         corners = np.array([(-0.5, -0.5), (-0.5, width - 0.5), (height - 0.5, -0.5), (height - 0.5, width - 0.5)])
-        around = Frame(height, width, FINE_M, 0.0, 0.0, yaw_rad).world_from_cell(corners)
-        low, high = around.min(axis=0), around.max(axis=0)
-        x_m, y_m = (margin_m + phase[k] * cell_m - float(low[k]) for k in (0, 1))
-        cols, rows = (math.ceil((float(high[k] - low[k]) + 2 * margin_m) / cell_m) + 1 for k in (0, 1))
-        source, target = Frame(height, width, FINE_M, x_m, y_m, yaw_rad), Frame(rows, cols, cell_m)
-        return Placed(_sampled(self.rooms, source, target), source, cell_m)
+        around = Frame(height, width, FINE_M, yaw_rad=yaw_rad).world_from_cell(corners)
+        (left, bottom), (right, top) = around.min(axis=0).tolist(), around.max(axis=0).tolist()
+        frame = Frame(height, width, FINE_M, low_m[0] - left, low_m[1] - bottom, yaw_rad)
+        return frame, (right - left, top - bottom)
 
 
 @dataclass(eq=False)
@@ -197,13 +205,18 @@ class Placed:
 
 
 def _sampled(raster: NDArray[Any], source: Frame, target: Frame) -> NDArray[Any]:
-    """Return what a raster shows at the middles of another frame's cells, 0 beyond its edges."""
-    # The way from cell to cell is affine: three points tell all of it, and sums of a column and a row are cheap.
+    """Return a raster at the middles of another frame's cells, 0 beyond its edges."""
+    # The map from cells to cells is affine: three points give all of it, and sums of a column and a row are cheap.
     start, down, right = source.cell_from_world(target.world_from_cell(np.array([(0, 0), (1, 0), (0, 1)])))
     steps = np.arange(target.height)[:, np.newaxis], np.arange(target.width)
-    row, col = (
-        np.rint(start[k] + steps[0] * (down - start)[k] + steps[1] * (right - start)[k]).astype(np.intp) for k in (0, 1)
-    )
-    known = (row >= 0) & (row < source.height) & (col >= 0) & (col < source.width)
-    at = np.where(known, row * source.width + col, 0)
-    return np.where(known, raster.ravel()[at], 0).astype(raster.dtype)
+    row, col = (start[k] + steps[0] * (down - start)[k] + steps[1] * (right - start)[k] for k in (0, 1))
+    return nearest(raster, row, col)
+
+
+def nearest(raster: NDArray[Any], row: NDArray[np.float64], col: NDArray[np.float64], beyond: int = 0) -> NDArray[Any]:
+    """Return a raster's values at places between its cells, and `beyond` outside."""
+    row, col = np.rint(row).astype(np.intp), np.rint(col).astype(np.intp)
+    height, width = raster.shape
+    known = (row >= 0) & (row < height) & (col >= 0) & (col < width)
+    at = np.where(known, row * width + col, 0)
+    return np.where(known, raster.ravel()[at], beyond).astype(raster.dtype)

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from vdoor.synth.canvas import Axis, Rect, fine, square_to
-from vdoor.synth.layout import Gap, Layout, SlantingGap, connected, placed_door, walls_between
+from vdoor.synth.layout import Gap, Groups, Layout, SlantingGap, placed_door, walls_between
 from vdoor.synth.settings import Home
 
 MARGIN_M = 0.5
@@ -181,8 +181,7 @@ def _without_outside(count: int, links: list[Link], settings: Home, rng: np.rand
         rest = kept - {room}
         pairs = [link.rooms for link in links if rest.issuperset(link.rooms)]
         if rng.random() < settings.outside_chance and room not in bound and len(rest) >= 2 * count / 3:
-            groups = connected(count, pairs)
-            kept = rest if len({groups[k] for k in rest}) == 1 else kept
+            kept = rest if Groups(count, pairs).all_joined(rest) else kept
     return kept
 
 
@@ -192,18 +191,18 @@ def _join(
     """Return the doors and openings of a random spanning tree and a few more, and the links with no wall at all."""
     open_chance = rng.uniform(settings.open_chance_min, settings.open_chance_max)
     merge_chance = rng.uniform(0.0, settings.merge_chance_max)
-    group = list(range(count))
+    groups = Groups(count)
     gaps: list[tuple[tuple[int, int], Gap]] = []
     merged: list[Link] = []
     for link in sorted(links, key=lambda link: link.rank):
-        a, b = (group[room] for room in link.rooms)
-        if a == b and rng.random() >= settings.extra_door_chance:
+        apart = groups.apart(*link.rooms)
+        if not apart and rng.random() >= settings.extra_door_chance:
             continue
-        if a != b and rng.random() < merge_chance and link.rank > 0:
+        if apart and rng.random() < merge_chance and link.rank > 0:
             merged.append(link)
         else:
             gaps.append((link.rooms, _gap(link, open_chance, settings, rng)))
-        group = [b if g == a else g for g in group]
+        groups.join(*link.rooms)
     return gaps, merged
 
 

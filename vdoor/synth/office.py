@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from vdoor.synth import scan, things
-from vdoor.synth.canvas import Canvas, Rect, Shape, box, disc, turned_box
+from vdoor.synth import furniture, scan
+from vdoor.synth.canvas import Cells, Rect, Shape, box, disc, turned_box
 from vdoor.synth.drawn_walls import Walls, draw_walls
-from vdoor.synth.home import turn
-from vdoor.synth.layout import Layout, drawn, keep_passable
+from vdoor.synth.furniture import keep_passable
+from vdoor.synth.layout import Layout, drawn, laid
 from vdoor.synth.office_plan import draw_office_plan
 from vdoor.synth.settings import Office
 from vdoor.synth.truth import SyntheticMap, with_truth
@@ -24,18 +24,15 @@ def draw_office(settings: Office, rng: np.random.Generator) -> SyntheticMap:
     for_plan, for_furniture, for_place, for_scan, for_style, for_walls = rng.spawn(6)
     style = drawn_style(settings, for_style)
     built = planned(settings, style)
-    layout = draw_office_plan(built, for_plan)
-    plan = drawn(layout)
-    floor = Canvas(plan.canvas.rooms.copy())
+    plan = drawn(draw_office_plan(built, for_plan))
     if settings.furniture and for_furniture.random() < settings.furnished_chance:
-        keep_passable(plan, _furniture(layout, for_furniture))
-    yaw = turn(settings.rotated_chance, for_place)
-    placed = plan.canvas.placed(yaw, settings.cell_m, AROUND_M, (for_place.random(), for_place.random()))
-    walls = Walls(style, for_walls, layout, floor, plan.canvas, placed, built.wall_max_m)
+        keep_passable(plan, _furniture(plan.layout, for_furniture))
+    placed = laid(plan.canvas, settings, AROUND_M, for_place)
+    walls = Walls(style, for_walls, plan, placed, built.wall_max_m)
     return with_truth(_scanned(walls, settings, for_scan), placed, plan.opened, settings)
 
 
-def _scanned(walls: Walls, settings: Office, rng: np.random.Generator) -> scan.Cells:
+def _scanned(walls: Walls, settings: Office, rng: np.random.Generator) -> Cells:
     """Return the cells: as drawn by an architect, or with the marks of a scan."""
     placed, rooms = walls.placed, walls.placed.rooms
     scanned = rng.random() < settings.rough_chance
@@ -63,7 +60,7 @@ def _furniture(layout: Layout, rng: np.random.Generator) -> list[tuple[Rect, Sha
             solid for solid in layout.solids if floor.holds(solid)
         ]
         shapes = _shelves(floor, rng) + _desks(floor, on_legs, leg_m, rng) + _bins(floor, bins, rng)
-        found += [(floor, shape) for shape in shapes if things.clear_of(shape, near)]
+        found += [(floor, shape) for shape in shapes if furniture.clear_of(shape, near)]
     return found
 
 
@@ -72,7 +69,7 @@ def _shelves(floor: Rect, rng: np.random.Generator) -> list[Shape]:
     return [
         box(rect)
         for _ in range(int(rng.integers(0, 4)))
-        for rect in things.against_wall(floor, (0.6, 2.4), (0.3, 0.6), rng)
+        for rect in furniture.against_wall(floor, (0.6, 2.4), (0.3, 0.6), rng)
     ]
 
 
@@ -80,12 +77,12 @@ def _desks(floor: Rect, on_legs: float, leg_m: float, rng: np.random.Generator) 
     """Return desks with their chairs, as many as the room has places for."""
     found: list[Shape] = []
     for _ in range(int(rng.integers(0, 3 + min(int(floor.area / 5), 14)))):
-        desk = things.free_standing(floor, (0.7, 1.7), rng, turned_chance=0.05)
+        desk = furniture.free_standing(floor, (0.7, 1.7), rng, turned_chance=0.05)
         if desk is not None:
             place = desk.mean(axis=0) + rng.uniform(-0.9, 0.9, size=2)
             chair = turned_box((place[0], place[1]), (0.5, 0.5), rng.uniform(0.0, 1.5))
             solid = rng.random() >= on_legs
-            found += [desk] if solid else things.legs(desk, leg_m) + things.legs(chair, leg_m)
+            found += [desk] if solid else furniture.legs(desk, leg_m) + furniture.legs(chair, leg_m)
     return found
 
 
@@ -93,5 +90,5 @@ def _bins(floor: Rect, chance: float, rng: np.random.Generator) -> list[Shape]:
     """Return a bin near the wall of some rooms."""
     if rng.random() >= chance:
         return []
-    rect = things.against_wall(floor, (0.4, 0.4), (0.4, 0.4), rng)
+    rect = furniture.against_wall(floor, (0.4, 0.4), (0.4, 0.4), rng)
     return [disc(piece.middle, 0.2) for piece in rect]

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from vdoor.synth.canvas import Axis, Rect, fine, square_to
-from vdoor.synth.layout import Gap, connected, placed_door, walls_between
+from vdoor.synth.layout import Gap, Groups, placed_door, walls_between
 from vdoor.synth.settings import Office
 
 DOUBLE_M = (1.4, 2.0)
@@ -73,12 +73,12 @@ def add_doors(sketch: Sketch) -> None:
         for a, b in itertools.combinations(range(len(rooms)), 2)
         for wall in walls_between(rooms[a], rooms[b], sketch.wall_m, needs)
     ]
-    group = connected(len(rooms), list(itertools.pairwise(np.flatnonzero(reached).tolist())))
+    groups = Groups(len(rooms), itertools.pairwise(np.flatnonzero(reached).tolist()))
     for n in sketch.rng.permutation(len(pairs)).tolist():
         a, b, wall = pairs[n]
-        if group[a] != group[b] or sketch.chance(settings.extra_door_chance):
+        if groups.apart(a, b) or sketch.chance(settings.extra_door_chance):
             _add(sketch, _door(sketch, wall, hall=False))
-            group = [group[b] if g == group[a] else g for g in group]
+            groups.join(a, b)
 
 
 def _add(sketch: Sketch, gap: Gap) -> None:

@@ -10,10 +10,9 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from vdoor.grid import FREE, OCCUPIED, UNKNOWN
-from vdoor.synth.canvas import Placed, Rooms
+from vdoor.synth.canvas import Cells, Placed, Rooms
 
 Mask = NDArray[np.bool_]
-Cells = NDArray[np.int8]
 EIGHT = np.ones((3, 3), np.bool_)
 FOUR = ndimage.generate_binary_structure(2, 1)
 

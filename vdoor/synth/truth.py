@@ -9,10 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from vdoor.frame import Frame
 from vdoor.grid import UNKNOWN, OccupancyGrid
 from vdoor.synth.canvas import Placed, Rooms
-from vdoor.synth.layout import Opened
+from vdoor.synth.layout import Gap, Opened
 from vdoor.synth.settings import Apartment, Home, Office
 
 MARGIN = 2
@@ -49,7 +48,7 @@ def with_truth(
     cells: NDArray[np.int8], placed: Placed, opened: Sequence[Opened], settings: Home | Office
 ) -> SyntheticMap:
     """Return the map cut to what is known, rooms numbered anew from 1, and doors where two of them touch."""
-    rooms = _in_reach(placed.rooms)
+    rooms = in_reach(placed.rooms, placed.rooms > 0)
     doors = [door for door in opened if _touch(rooms, door, placed)]
     rooms, doors = _joined_where_tiny(rooms, doors, placed.cell_m)
     known = [np.flatnonzero((cells != UNKNOWN).any(axis=axis)) for axis in (1, 0)]
@@ -61,17 +60,19 @@ def with_truth(
     shift = np.array([MARGIN - top, MARGIN - left])
     grid = OccupancyGrid.from_array(cut_cells, placed.cell_m)
     label = {number: k + int(numbers[0] != 0) for k, number in enumerate(numbers.tolist())}
-    return SyntheticMap(
-        grid, numbered, tuple(_true_door(door, placed, grid.frame, shift, label) for door in doors), settings
-    )
+    ends_m = [grid.frame.world_from_cell(placed.cells_from_plan(door.gap.ends) + shift) for door in doors]
+    found = [
+        true_door(door.gap, ends, [label[room] for room in door.rooms])
+        for door, ends in zip(doors, ends_m, strict=True)
+    ]
+    return SyntheticMap(grid, numbered, tuple(found), settings)
 
 
-def _in_reach(rooms: Rooms) -> Rooms:
-    """Return the rooms without what is not 4-connected to most of them."""
-    part, _ = ndimage.label(rooms > 0)
-    sizes = np.bincount(part.ravel())
-    sizes[0] = 0
-    return np.where(part == sizes.argmax(), rooms, 0).astype(np.int32)
+def in_reach(rooms: Rooms, free: NDArray[np.bool_]) -> Rooms:
+    """Return the rooms without what is not 4-connected to most of them over free cells."""
+    part, _ = ndimage.label(free)
+    main = np.bincount(part[rooms > 0], minlength=1).argmax()
+    return np.where(part == main, rooms, 0).astype(np.int32)
 
 
 def _touch(rooms: Rooms, door: Opened, placed: Placed) -> bool:
@@ -100,9 +101,8 @@ def _joined_where_tiny(rooms: Rooms, doors: list[Opened], cell_m: float) -> tupl
     return name[rooms].astype(np.int32), [Opened(gap, (a, b)) for gap, (a, b) in pairs if a != b]
 
 
-def _true_door(door: Opened, placed: Placed, frame: Frame, shift: NDArray[np.intp], label: dict[int, int]) -> TrueDoor:
-    """Return a gap of the plan in the frame of the map that was cut out, with the final labels of its rooms."""
-    gap = door.gap
-    start, end = np.round(frame.world_from_cell(placed.cells_from_plan(gap.ends) + shift), 6).tolist()
-    a, b = sorted(label[room] for room in door.rooms)
+def true_door(gap: Gap, ends_m: NDArray[np.float64], rooms: Sequence[int]) -> TrueDoor:
+    """Return a gap of the plan as a door from end to end (2, 2) in the map frame, between rooms of these labels."""
+    start, end = np.round(ends_m, 6).tolist()
+    a, b = sorted(rooms)
     return TrueDoor(tuple(start), tuple(end), round(gap.width_m, 6), (a, b), unsure=gap.unsure)

@@ -1,4 +1,4 @@
-"""What stands on floors: furniture against walls and free, legs and clutter, leaves of doors and what flanks them."""
+"""What stands in homes and offices: furniture, clutter, open doors; and that none of it cuts a door off."""
 
 from __future__ import annotations
 
@@ -6,9 +6,10 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
+from scipy import ndimage
 
-from vdoor.synth.canvas import Axis, Rect, Shape, box, fine, square_to, turned_box
-from vdoor.synth.layout import Gap
+from vdoor.synth.canvas import Axis, Canvas, Rect, Shape, box, fine, square_to, turned_box
+from vdoor.synth.layout import Drawn, Gap
 
 LEAF_M = 0.05
 PASSAGE_M = 0.6
@@ -111,3 +112,31 @@ def clear_of(shape: Shape, zones: Sequence[Rect]) -> bool:
     low, high = shape.min(axis=0), shape.max(axis=0)
     around = Rect((low[0], low[1]), (high[0], high[1]))
     return not any(around.overlaps(zone) for zone in zones)
+
+
+def keep_passable(plan: Drawn, things: Sequence[tuple[Rect, Shape]]) -> None:
+    """Block the canvas with things (each with the floor it stands on), but no floor's where that cuts a door off."""
+    canvas, opened = plan.canvas, plan.opened
+    banned: set[Rect] = set()
+    for _ in range(4):
+        canvas.rooms[:] = plan.floor.rooms
+        for floor, shape in things:
+            if floor not in banned:
+                canvas.block(shape)
+        part, _ = ndimage.label(canvas.rooms[::2, ::2])
+        small = Canvas(part.astype(np.int32))
+        met = [_parts_before(small, door.gap) for door in opened]
+        counts = np.bincount([part for parts in met for part in parts], minlength=2)
+        counts[0] = 0
+        main = int(counts.argmax())
+        cut = [door.gap for door, parts in zip(opened, met, strict=True) if parts != (main, main)]
+        more = {floor for floor, _ in things if any(floor.overlaps(gap.clear(0.3)) for gap in cut)} - banned
+        if not more:
+            return
+        banned |= more
+
+
+def _parts_before(half: Canvas, gap: Gap) -> tuple[int, int]:
+    """Return what is 20 cm before both sides of a gap, on a canvas of half the resolution."""
+    below, above = (tuple(x / 2 for x in gap.before(sign, 0.2)) for sign in (-1, 1))
+    return half.at((below[0], below[1])), half.at((above[0], above[1]))
