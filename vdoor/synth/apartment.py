@@ -17,7 +17,7 @@ from vdoor.grid import FREE, OCCUPIED, UNKNOWN, OccupancyGrid
 from vdoor.synth.apartment_plan import BESIDE_DOOR_M, Plan, draw_plan, furnish
 from vdoor.synth.canvas import FINE_M, LATTICE_M, Canvas, Cells, Placed, Rect, nearest, snap
 from vdoor.synth.layout import Face, faces
-from vdoor.synth.settings import Apartment
+from vdoor.synth.settings import Apartment, chance
 from vdoor.synth.truth import SyntheticMap, in_reach, true_door
 
 BUMP_M = LATTICE_M
@@ -67,7 +67,7 @@ def draw_apartment(settings: Apartment, rng: np.random.Generator) -> SyntheticMa
 
 def _drawn(plan: Plan) -> Sheet:
     """Return a sheet with the rooms' floors free, and doors halved between them."""
-    width, height = (round(side / FINE_M) for side in plan.sheet.sides)
+    width, height = (round(side / FINE_M) for side in plan.size_m)
     sheet = Sheet(np.zeros((height, width), np.int32), np.full((height, width), UNKNOWN, np.int8))
     for number, room in enumerate(plan.rooms, start=1):
         sheet.paint(room, number)
@@ -144,9 +144,9 @@ def _cast_ray(
 def _speckle(sheet: Sheet, plan: Plan, settings: Apartment, rng: np.random.Generator) -> None:
     """Add blots, free or occupied, to what is unknown outside, away from everything free."""
     for _ in range(rng.poisson(settings.speckles)):
-        low = [snap(rng.uniform(0.0, plan.sheet.high[k] - 0.2)) for k in (0, 1)]
+        low = [snap(rng.uniform(0.0, plan.size_m[k] - 0.2)) for k in (0, 1)]
         sides = [float(rng.integers(1, 5)) * LATTICE_M for _ in range(2)]
-        state = FREE if rng.random() < 0.5 else OCCUPIED  # noqa: PLR2004  # as often as not
+        state = FREE if chance(0.5, rng) else OCCUPIED  # as often as not
         blot = Rect((low[0], low[1]), (low[0] + sides[0], low[1] + sides[1]))
         near = sheet.cells[sheet.window(blot.grown(APART_M, APART_M))]
         if not plan.shell.grown(APART_M, APART_M).overlaps(blot) and not (near == FREE).any():

@@ -14,7 +14,7 @@ from scipy import ndimage
 from vdoor.errors import SettingError
 from vdoor.synth.canvas import FINE_M, LATTICE_M, Axis, Rect, lattice_range, snap, square_to
 from vdoor.synth.layout import Gap, Groups, Opened, placed_door, walls_between
-from vdoor.synth.settings import Apartment
+from vdoor.synth.settings import Apartment, chance
 
 PLAN_TRIES = 300
 NEAR_CORNER_M = 0.2
@@ -41,8 +41,8 @@ class Plan:
     doors: tuple[Opened, ...]
     inside: Rect
     shell: Rect
-    sheet: Rect
-    """All that is drawn: the shell and its margin, from (0, 0)."""
+    size_m: tuple[float, float]
+    """Of all that is drawn, with the margin around the shell."""
 
 
 def draw_plan(settings: Apartment, rng: np.random.Generator) -> Plan:
@@ -61,7 +61,7 @@ def draw_plan(settings: Apartment, rng: np.random.Generator) -> Plan:
         if len(rooms) == count and doors is not None:
             shell = inside.grown(wall, wall)
             far = shell.grown(snap(settings.margin_m), snap(settings.margin_m)).high
-            return Plan(tuple(rooms), tuple(doors), inside, shell, Rect((0.0, 0.0), far))
+            return Plan(tuple(rooms), tuple(doors), inside, shell, far)
     raise SettingError(
         f"Apartment.rooms: wanted {settings.rooms} rooms of at least {settings.room_side_min_m:g} m "
         f"a side in {settings.area_m2:g} m2, found no plan in {PLAN_TRIES} tries"
@@ -77,7 +77,7 @@ def _subdivide(inside: Rect, count: int, settings: Apartment, rng: np.random.Gen
     """Return up to `count` rooms, fewer where they do not fit, and whether the first of them is a corridor."""
     rooms: list[Rect] = []
     parts = [inside]
-    if count >= CORRIDOR_NEEDS_ROOMS and rng.random() < settings.corridor_chance:
+    if count >= CORRIDOR_NEEDS_ROOMS and chance(settings.corridor_chance, rng):
         axis: Axis = 1 if inside.sides[0] >= inside.sides[1] else 0
         width = _between(settings.corridor_min_m, settings.corridor_max_m, rng)
         wall = _between(settings.wall_min_m, settings.wall_max_m, rng)
@@ -121,7 +121,7 @@ def _join(rooms: Sequence[Rect], corridor: bool, settings: Apartment, rng: np.ra
     doors = []
     for k in np.argsort(rank, kind="stable"):
         pair, wall = walls[k]
-        if groups.apart(*pair) or rng.random() < settings.extra_door_chance:
+        if groups.apart(*pair) or chance(settings.extra_door_chance, rng):
             lower, upper = sorted(pair, key=lambda room: rooms[room].low[wall.axis])
             doors.append(Opened(_door(wall, settings, rng), (lower + 1, upper + 1)))
             groups.join(*pair)
@@ -184,7 +184,7 @@ def _furnish_room(floor: Rect, doors: Sequence[Gap], settings: Apartment, rng: n
 
 def _against_wall(floor: Rect, aisle_m: float, rng: np.random.Generator) -> Piece:
     """Return a cupboard, sofa or bed along one of the four walls, with the aisle in front of it as its space."""
-    along: Axis = 0 if rng.random() < 0.5 else 1  # noqa: PLR2004  # either wall
+    along: Axis = 0 if chance(0.5, rng) else 1  # either wall
     across = square_to(along)
     length, depth = snap(rng.uniform(0.4, 2.0)), snap(rng.uniform(0.3, 0.8))
     slack = floor.sides[along] - length
@@ -196,7 +196,7 @@ def _against_wall(floor: Rect, aisle_m: float, rng: np.random.Generator) -> Piec
         along, max(start - NICHE_M, floor.low[along]), min(start + length + NICHE_M, floor.high[along])
     )
     low, high = floor.low[across], floor.high[across]
-    if rng.random() < 0.5:  # noqa: PLR2004  # either side
+    if chance(0.5, rng):  # either side
         body, space = (low, snap(low + depth)), (low, low + depth + aisle_m)
     else:
         body, space = (snap(high - depth), high), (high - depth - aisle_m, high)
@@ -213,7 +213,7 @@ def _free_standing(floor: Rect, rng: np.random.Generator) -> Piece:
     at = [snap(floor.low[k] + rng.uniform(0.0, 1.0) * max(0.0, floor.sides[k] - sides[k])) for k in (0, 1)]
     body = Rect((at[0], at[1]), (snap(at[0] + sides[0]), snap(at[1] + sides[1])))
     parts: tuple[Rect, ...] = (body,)
-    if rng.random() < LEGS_CHANCE and min(sides) >= LEGS_FROM_M:
+    if chance(LEGS_CHANCE, rng) and min(sides) >= LEGS_FROM_M:
         lefts, lows = ((body.low[k], snap(body.high[k] - LEG_M)) for k in (0, 1))
         parts = tuple(Rect((x, y), (x + LEG_M, y + LEG_M)) for x in lefts for y in lows)
     return Piece(body, parts, body.grown(AROUND_FREE_M, AROUND_FREE_M), against_wall=False)

@@ -17,12 +17,14 @@ LATTICE_M = 0.05
 """Walls, doors and furniture of apartments begin and end on multiples of this, so that 5 cm cells show them exactly."""
 Axis = Literal[0, 1]
 """x or y."""
+AXES: tuple[Axis, Axis] = (0, 1)
 Rooms = NDArray[np.int32]
 """Number of the room of each cell (h, w), 0 for none."""
 Cells = NDArray[np.int8]
 """State of each cell (h, w) as in `OccupancyGrid`."""
 Shape = NDArray[np.float64]
 """Corners (k, 2) as x, y of a convex polygon, counter-clockwise."""
+# Points and lengths are in metres, x right, y up.
 
 
 def fine(value_m: float) -> float:
@@ -51,6 +53,11 @@ class Rect:
 
     low: tuple[float, float]
     high: tuple[float, float]
+
+    @classmethod
+    def between(cls, one: tuple[float, float], two: tuple[float, float]) -> Rect:
+        """Return the rectangle with these two points as opposite corners."""
+        return cls((min(one[0], two[0]), min(one[1], two[1])), (max(one[0], two[0]), max(one[1], two[1])))
 
     @property
     def sides(self) -> tuple[float, float]:
@@ -106,7 +113,7 @@ def disc(middle: tuple[float, float], radius_m: float) -> Shape:
 
 @dataclass(frozen=True, eq=False)
 class Canvas:
-    """Number of the room that each fine cell (h, w) belongs to, 0 where one cannot go; row 0 is the top."""
+    """A raster of fine cells with the room that each belongs to, 0 where one cannot go; row 0 is the top."""
 
     rooms: Rooms
 
@@ -115,6 +122,10 @@ class Canvas:
         """Return a canvas of that width and height, all solid."""
         width, height = (math.ceil(side / FINE_M) for side in size_m)
         return cls(np.zeros((height, width), np.int32))
+
+    def empty(self) -> Canvas:
+        """Return another canvas of this size, all solid."""
+        return Canvas(np.zeros_like(self.rooms))
 
     def window(self, rect: Rect) -> tuple[slice, slice]:
         """Rows and columns of the cells within a rectangle, as far as it is on the canvas."""
@@ -179,7 +190,7 @@ class Canvas:
 
 @dataclass(eq=False)
 class Placed:
-    """A drawn plan on the map's cells: `rooms` (h, w), 0 where one cannot go, and where the canvas lies on the map."""
+    """A canvas on the map's cells: the rooms of these, and where the canvas lies on the map."""
 
     rooms: Rooms
     canvas: Frame
@@ -190,7 +201,7 @@ class Placed:
         """The map's own frame."""
         return Frame(self.rooms.shape[0], self.rooms.shape[1], self.cell_m)
 
-    def laid(self, raster: NDArray[Any]) -> NDArray[Any]:
+    def on_map(self, raster: NDArray[Any]) -> NDArray[Any]:
         """Another raster of the canvas's shape on the map's cells (h, w), 0 beyond it."""
         return _sampled(raster, self.canvas, self.frame)
 

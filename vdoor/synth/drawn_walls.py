@@ -14,6 +14,7 @@ from vdoor.grid import FREE, OCCUPIED, UNKNOWN
 from vdoor.synth.canvas import FINE_M, Canvas, Cells, Placed, Rect, Rooms
 from vdoor.synth.layout import Drawn, Face, faces
 from vdoor.synth.scan import EIGHT, Mask
+from vdoor.synth.settings import chance
 from vdoor.synth.wall_style import PIECE_M, THIN_M, Gaps, Grey, Hollow, Style
 
 CORNER_M = 0.2
@@ -72,10 +73,10 @@ def _around_some_rooms(walls: Walls) -> Mask:
     floors = walls.plan.layout.floors
     share = walls.rng.uniform(0.33, 0.8)
     chosen = walls.rng.permutation(len(floors))[: max(1, round(share * len(floors)))].tolist()
-    taken = Canvas(np.zeros(walls.plan.floor.rooms.shape, np.int32))
+    taken = walls.plan.floor.empty()
     for floor in (floors[k] for k in chosen):
         taken.paint(floor.grown(AROUND_ROOM_M, AROUND_ROOM_M), 1)
-    return np.asarray(walls.placed.laid(taken.rooms) > 0)
+    return np.asarray(walls.placed.on_map(taken.rooms) > 0)
 
 
 def _between_floors(walls: Walls) -> Mask:
@@ -83,7 +84,7 @@ def _between_floors(walls: Walls) -> Mask:
     floor = walls.plan.floor.rooms > 0
     size = 2 * math.ceil(walls.thickest_m / 2 / FINE_M) + 1
     closed = ndimage.minimum_filter(ndimage.maximum_filter(floor, size), size)
-    return np.asarray(walls.placed.laid(closed & ~floor))
+    return np.asarray(walls.placed.on_map(closed & ~floor))
 
 
 def _hollowed(cells: Cells, walls: Walls, hollow: Hollow, part: Mask) -> Mask:
@@ -92,7 +93,7 @@ def _hollowed(cells: Cells, walls: Walls, hollow: Hollow, part: Mask) -> Mask:
     floor = walls.plan.floor.rooms > 0
     band = ndimage.maximum_filter(floor, 2 * round(hollow.thick_m / FINE_M) + 1) & ~floor
     seen = ndimage.distance_transform_edt(rooms == 0) * cell_m <= hollow.thick_m + HIDDEN_M
-    those = part & seen & walls.placed.laid(band) & (rooms == 0)
+    those = part & seen & walls.placed.on_map(band) & (rooms == 0)
     inside = ndimage.binary_erosion(those, EIGHT, iterations=hollow.outline)
     cells[those] = OCCUPIED
     cells[inside] = hollow.fill
@@ -103,7 +104,7 @@ def _interrupted(cells: Cells, walls: Walls, style: Gaps, part: Mask) -> None:
     """Open gaps in walls: one sees through where there is room to see on either side."""
     rooms = walls.placed.rooms
     raster = _gap_raster(walls.plan, style, walls.placed.cell_m, walls.rng)
-    gaps = np.where(part & (rooms == 0), walls.placed.laid(raster), SHUT)
+    gaps = np.where(part & (rooms == 0), walls.placed.on_map(raster), SHUT)
     occupied = cells == OCCUPIED
     cells[occupied & (gaps != SHUT)] = UNKNOWN
     cells[(occupied & (gaps == FREE_FACE)) | _joining(gaps == THROUGH, rooms)] = FREE
@@ -128,7 +129,7 @@ def _grey_edges(cells: Cells, walls: Walls, grey: Grey, part: Mask) -> None:
     """Make edges of walls unknown where ink covers too little of a cell: there is always a core that it covers most."""
     size = round(grey.blur_cells * walls.placed.cell_m / FINE_M)
     ink = ndimage.uniform_filter((walls.plan.canvas.rooms == 0).astype(np.float32), max(size, 2), mode="nearest")
-    covered = walls.placed.laid(ink)
+    covered = walls.placed.on_map(ink)
     core = (covered >= grey.below) | (covered >= ndimage.maximum_filter(covered, size=3) - HAIR)
     core |= _ridge(covered) & (_beside_doors(walls) if grey.dotted else True)
     edge = part & (cells == OCCUPIED) & ~core
@@ -152,11 +153,11 @@ def _ridge(covered: NDArray[np.float32]) -> Mask:
 
 def _beside_doors(walls: Walls) -> Mask:
     """Return the cells in and around doors: jambs are never dotted."""
-    taken = Canvas(np.zeros(walls.plan.floor.rooms.shape, np.int32))
+    taken = walls.plan.floor.empty()
     away_m = JAMB_M + walls.placed.cell_m
     for gap in walls.plan.layout.gaps:
         taken.paint(gap.rect.grown(away_m, away_m), 1)
-    return np.asarray(walls.placed.laid(taken.rooms) > 0)
+    return np.asarray(walls.placed.on_map(taken.rooms) > 0)
 
 
 def _gap_raster(plan: Drawn, gaps: Gaps, cell_m: float, rng: np.random.Generator) -> NDArray[np.uint8]:
@@ -165,14 +166,14 @@ def _gap_raster(plan: Drawn, gaps: Gaps, cell_m: float, rng: np.random.Generator
     Each gap lies in a wall, square to it, and no other one is near it on the same face.
     """
     layout, floor = plan.layout, plan.floor
-    found = Canvas(np.zeros(floor.rooms.shape, np.int32))
+    found = floor.empty()
     doors = [gap.rect.grown(JAMB_M + cell_m, JAMB_M + cell_m) for gap in layout.gaps]
     shown = FREE_FACE if gaps.face == FREE else UNKNOWN_FACE
     for room, rect in enumerate((*layout.floors, *layout.pits)):
         near = [door for door in doors if door.overlaps(rect.grown(DEEPEST_M, DEEPEST_M))]
         for face in faces(room, rect):
             for start_m, width_m in _along(face, gaps, cell_m, rng):
-                through = THROUGH if rng.random() < gaps.free_share else UNKNOWN_FACE
+                through = THROUGH if chance(gaps.free_share, rng) else UNKNOWN_FACE
                 hole = _hole(face, floor, start_m, width_m)
                 if hole is None or any(door.overlaps(hole[0]) for door in near):
                     continue

@@ -10,6 +10,7 @@ from scipy import ndimage
 
 from vdoor.synth.canvas import Axis, Canvas, Rect, Shape, box, fine, square_to, turned_box
 from vdoor.synth.layout import Drawn, Gap
+from vdoor.synth.settings import chance
 
 LEAF_M = 0.05
 PASSAGE_M = 0.6
@@ -25,7 +26,7 @@ def against_wall(
 
     A jagged one has a front of several depths, as where things stand side by side.
     """
-    along: Axis = 0 if rng.random() < 0.5 else 1  # noqa: PLR2004  # either wall
+    along: Axis = 0 if chance(0.5, rng) else 1  # either wall
     across = square_to(along)
     length, depth = fine(rng.uniform(*length_m)), fine(rng.uniform(*depth_m))
     slack = floor.sides[along] - length
@@ -33,8 +34,8 @@ def against_wall(
         return []
     offset = rng.uniform(-0.3, 1.3) * slack  # what would go through a wall stands in the corner
     start = fine(floor.low[along] + min(max(offset, 0.0), slack))
-    upper = rng.random() < 0.5  # noqa: PLR2004  # either side
-    count = int(rng.integers(2, 6)) if rng.random() < jagged_chance else 1
+    upper = chance(0.5, rng)  # either side
+    count = int(rng.integers(2, 6)) if chance(jagged_chance, rng) else 1
     bounds = [start, *np.sort(rng.uniform(start, start + length, size=count - 1)).tolist(), start + length]
     depths = depth * rng.uniform(0.4, 1.0, size=count) if count > 1 else [depth]
     low, high = floor.low[across], floor.high[across]
@@ -53,7 +54,7 @@ def free_standing(floor: Rect, side_m: Span, rng: np.random.Generator, *, turned
     if min(room) < 0:
         return None
     x, y = (floor.low[k] + 0.4 + sides[k] / 2 + rng.uniform(0.0, 1.0) * room[k] for k in (0, 1))
-    return turned_box((x, y), sides, rng.uniform(0.0, math.pi) if rng.random() < turned_chance else 0.0)
+    return turned_box((x, y), sides, rng.uniform(0.0, math.pi) if chance(turned_chance, rng) else 0.0)
 
 
 def legs(around: Shape, leg_m: float) -> list[Shape]:
@@ -65,24 +66,24 @@ def legs(around: Shape, leg_m: float) -> list[Shape]:
 def clutter(floor: Rect, rng: np.random.Generator) -> Shape:
     """Return something small anywhere on a floor."""
     x, y = (rng.uniform(floor.low[k], floor.high[k]) for k in (0, 1))
-    if rng.random() < 0.2:  # noqa: PLR2004  # a cable, a broom
+    if chance(0.2, rng):  # a cable, a broom
         return turned_box((x, y), (rng.uniform(0.2, 0.7), LEAF_M), rng.uniform(0.0, math.pi))
     return turned_box((x, y), (rng.uniform(0.04, 0.14), rng.uniform(0.04, 0.14)), rng.uniform(0.0, math.pi))
 
 
 def shaft(floor: Rect, rng: np.random.Generator) -> list[Rect]:
     """Return a box in a corner of a room, or on one of its walls."""
-    if rng.random() < 0.3:  # noqa: PLR2004  # not in the corner
+    if chance(0.3, rng):  # not in the corner
         return against_wall(floor, (0.2, 0.8), (0.1, 0.4), rng)
     sides = [min(fine(rng.uniform(0.2, 0.9)), floor.sides[k] / 3) for k in (0, 1)]
-    low = [floor.low[k] if rng.random() < 0.5 else floor.high[k] - sides[k] for k in (0, 1)]  # noqa: PLR2004
+    low = [floor.low[k] if chance(0.5, rng) else floor.high[k] - sides[k] for k in (0, 1)]
     return [Rect((low[0], low[1]), (low[0] + sides[0], low[1] + sides[1]))]
 
 
 def leaf(gap: Gap, rng: np.random.Generator) -> Shape:
     """Return a door's open leaf: from one jamb into one of the rooms, mostly at a right angle to the wall."""
-    sign, end = (1 if rng.random() < 0.5 else -1 for _ in range(2))  # noqa: PLR2004  # either
-    angle = math.pi / 2 + rng.normal(0.0, 0.12) if rng.random() < 0.7 else rng.uniform(1.05, 2.6)  # noqa: PLR2004
+    sign, end = (1 if chance(0.5, rng) else -1 for _ in range(2))  # either
+    angle = math.pi / 2 + rng.normal(0.0, 0.12) if chance(0.7, rng) else rng.uniform(1.05, 2.6)
     face = (gap.rect.high if sign > 0 else gap.rect.low)[gap.axis]
     hinge = (gap.rect.high if end > 0 else gap.rect.low)[gap.along] - end * LEAF_M / 2
     way = np.array([math.sin(angle) * sign, -math.cos(angle) * end])  # across and along the wall; 0 would be shut
@@ -95,9 +96,9 @@ def leaf(gap: Gap, rng: np.random.Generator) -> Shape:
 
 def niche(gap: Gap, rng: np.random.Generator) -> list[Shape]:
     """Return what stands beside a door on one side of the wall, flush with a jamb, or with both."""
-    sign = 1 if rng.random() < 0.5 else -1  # noqa: PLR2004  # either
+    sign = 1 if chance(0.5, rng) else -1  # either
     face = (gap.rect.high if sign > 0 else gap.rect.low)[gap.axis]
-    ends = [-1, 1] if rng.random() < 0.3 else [1 if rng.random() < 0.5 else -1]  # noqa: PLR2004
+    ends = [-1, 1] if chance(0.3, rng) else [1 if chance(0.5, rng) else -1]
     depth = fine(rng.uniform(0.1, 0.6))
     found = []
     for end in ends:

@@ -12,8 +12,8 @@ from vdoor.synth.canvas import Cells, Placed, Rect, Shape, box
 from vdoor.synth.drawn_walls import Walls, draw_walls
 from vdoor.synth.furniture import keep_passable
 from vdoor.synth.home_plan import draw_home_plan
-from vdoor.synth.layout import Gap, Layout, Opened, SlantingGap, drawn, laid
-from vdoor.synth.settings import Home
+from vdoor.synth.layout import Gap, Layout, Opened, SlantingGap, drawn, laid_on_map
+from vdoor.synth.settings import Home, chance, log_uniform
 from vdoor.synth.truth import SyntheticMap, with_truth
 from vdoor.synth.wall_style import drawn_style, planned
 
@@ -31,7 +31,7 @@ def draw_home(settings: Home, rng: np.random.Generator) -> SyntheticMap:
     keep_passable(
         plan, _beside_doors(plan.opened, settings, for_doors) + _furniture(plan.layout, settings, for_furniture)
     )
-    placed = laid(plan.canvas, settings, AROUND_M, for_place)
+    placed = laid_on_map(plan.canvas, settings, AROUND_M, for_place)
     walls = Walls(style, for_walls, plan, placed, built.wall_max_m)
     return with_truth(_scanned(walls, settings, for_scan), placed, plan.opened, settings)
 
@@ -40,9 +40,9 @@ def _beside_doors(opened: Sequence[Opened], settings: Home, rng: np.random.Gener
     """Return leaves and what flanks doors, each with the place by its door."""
     found: list[tuple[Rect, Shape]] = []
     for gap in (door.gap for door in opened if not isinstance(door.gap, SlantingGap)):
-        if gap.leaf and rng.random() < settings.leaf_chance:
+        if gap.leaf and chance(settings.leaf_chance, rng):
             found.append((gap.rect, furniture.leaf(gap, rng)))
-        if rng.random() < settings.niche_chance:
+        if chance(settings.niche_chance, rng):
             found += [(gap.rect, shape) for shape in furniture.niche(gap, rng)]
     return found
 
@@ -55,7 +55,7 @@ def _furniture(layout: Layout, settings: Home, rng: np.random.Generator) -> list
     found: list[tuple[Rect, Shape]] = []
     for k in rng.integers(len(floors), size=rng.poisson(settings.shafts)).tolist():
         found += [(floors[k], box(rect)) for rect in furniture.shaft(floors[k], rng)]
-    lively = math.exp(rng.uniform(math.log(settings.clutter_min_per_m2), math.log(settings.clutter_max_per_m2)))
+    lively = log_uniform(settings.clutter_min_per_m2, settings.clutter_max_per_m2, rng)
     if settings.furniture:
         for floor in floors:
             found += [(floor, shape) for shape in _large(floor, settings, rng) if furniture.clear_of(shape, wide)]
@@ -92,28 +92,28 @@ def _scanned(walls: Walls, settings: Home, rng: np.random.Generator) -> Cells:
     plan, placed, rooms = walls.plan, walls.placed, walls.placed.rooms
     doors = placed.cells_from_plan(np.array([door.gap.rect.middle for door in plan.opened]).reshape(-1, 2))
     unseen = np.zeros(rooms.shape, np.bool_)
-    for _ in range(int(rng.integers(1, 4)) if rng.random() < settings.corners_chance else 0):
+    for _ in range(int(rng.integers(1, 4)) if chance(settings.corners_chance, rng) else 0):
         unseen |= scan.leave_corners(rooms, doors, 0.12, rng)
-    if rng.random() < settings.rough_chance:
+    if chance(settings.rough_chance, rng):
         scan.roughen(rooms, rng.uniform(0.0, settings.rough_max), rng)
-    cells = scan.outlined(rooms, unseen, depth=2 if rng.random() < 0.15 else 1)  # noqa: PLR2004  # one in seven
+    cells = scan.outlined(rooms, unseen, depth=2 if chance(0.15, rng) else 1)  # one in seven
     draw_walls(cells, walls)
-    scan.forget_walls(cells, rng.uniform(0.0, settings.unknown_max) * (rng.random() < 0.6), rng)  # noqa: PLR2004
-    if rng.random() < settings.holes_chance:
+    scan.forget_walls(cells, rng.uniform(0.0, settings.unknown_max) * chance(0.6, rng), rng)
+    if chance(settings.holes_chance, rng):
         scan.pierce(rooms, cells, int(rng.integers(1, 5)), rng)
     for gap in plan.shut:
-        _look_through(gap, placed, cells, rng)
+        _cast_through_door(gap, placed, cells, rng)
     for _ in range(rng.poisson(settings.windows)):
-        scan.look_outside(placed, cells, (0.3, 3.5), rng)
-    for _ in range(int(rng.integers(1, 9)) if rng.random() < settings.pockets_chance else 0):
+        scan.cast_through_window(placed, cells, (0.3, 3.5), rng)
+    for _ in range(int(rng.integers(1, 9)) if chance(settings.pockets_chance, rng) else 0):
         scan.draw_pockets(rooms, cells, settings.cell_m, rng)
     scan.speckle(rooms, cells, int(rng.poisson(settings.specks)), rng)
     return cells
 
 
-def _look_through(gap: Gap, placed: Placed, cells: Cells, rng: np.random.Generator) -> None:
+def _cast_through_door(gap: Gap, placed: Placed, cells: Cells, rng: np.random.Generator) -> None:
     """Show what is seen of a room that was not visited, through its door; now and then the door was shut."""
-    if rng.random() < 0.4:  # noqa: PLR2004
+    if chance(0.4, rng):
         return
     away = rng.uniform(0.4, 1.5)
     for sign in (-1, 1):

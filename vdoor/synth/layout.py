@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from vdoor.synth.canvas import FINE_M, Axis, Canvas, Placed, Rect, fine, square_to
-from vdoor.synth.settings import Home, Office
+from vdoor.synth.canvas import AXES, FINE_M, Axis, Canvas, Placed, Rect, fine, square_to
+from vdoor.synth.settings import Home, Office, chance
 
 HAIR_M = 1e-6
 
@@ -130,23 +130,24 @@ def drawn(layout: Layout) -> Drawn:
     return Drawn(layout, floor, Canvas(floor.rooms.copy()), tuple(opened), tuple(shut))
 
 
-def laid(canvas: Canvas, settings: Home | Office, margin_m: float, rng: np.random.Generator) -> Placed:
+def laid_on_map(canvas: Canvas, settings: Home | Office, margin_m: float, rng: np.random.Generator) -> Placed:
     """Return a canvas on the map's cells: straight, or turned by up to 6 degrees, two in five of those up to 45."""
-    most = 45.0 if rng.random() < 0.4 else 6.0  # noqa: PLR2004
-    turned = rng.uniform(-most, most) if rng.random() < settings.rotated_chance else 0.0
+    most = 45.0 if chance(0.4, rng) else 6.0
+    turned = rng.uniform(-most, most) if chance(settings.rotated_chance, rng) else 0.0
     return canvas.placed(math.radians(turned), settings.cell_m, margin_m, (rng.random(), rng.random()))
 
 
 def walls_between(a: Rect, b: Rect, thickest_m: float, needs_m: float) -> Iterator[Gap]:
     """Yield the wall between two floors as one wide gap, if they are neighbours along at least `needs_m`."""
-    for axis, along in ((0, 1), (1, 0)):
+    for axis in AXES:
+        along = square_to(axis)
         low, high = max(a.low[along], b.low[along]), min(a.high[along], b.high[along])
         if high - low < needs_m - HAIR_M:
             continue
         for lower, upper in ((a, b), (b, a)):
-            faces = lower.high[axis], upper.low[axis]
-            if HAIR_M < faces[1] - faces[0] <= thickest_m + HAIR_M:
-                yield Gap(lower.spanning(axis, *faces).spanning(along, low, high), axis)  # type: ignore[arg-type]  # 0, 1
+            sides = lower.high[axis], upper.low[axis]
+            if HAIR_M < sides[1] - sides[0] <= thickest_m + HAIR_M:
+                yield Gap(lower.spanning(axis, *sides).spanning(along, low, high), axis)
 
 
 def placed_door(
@@ -161,9 +162,9 @@ def placed_door(
     """Return a door in a wall: with chance `corner` within `jamb_m` (least, most) of one of its ends."""
     slack = max(wall.rect.sides[wall.along] - 2 * jamb_m[0] - width_m, 0.0)
     offset = rng.uniform(0.0, slack)
-    if rng.random() < corner:
+    if chance(corner, rng):
         offset = min(rng.uniform(0.0, jamb_m[1] - jamb_m[0]), slack)
-        offset = offset if rng.random() < 0.5 else slack - offset  # noqa: PLR2004  # either end
+        offset = offset if chance(0.5, rng) else slack - offset  # either end
     low = snapped(wall.rect.low[wall.along] + jamb_m[0] + offset)
     return Gap(wall.rect.spanning(wall.along, low, snapped(low + snapped(width_m))), wall.axis)
 
@@ -217,5 +218,4 @@ class Face:
 
 def faces(room: int, floor: Rect) -> list[Face]:
     """All four faces of a room's floor."""
-    axes: tuple[Axis, Axis] = (0, 1)
-    return [Face(room, floor, axis, sign) for axis in axes for sign in (-1, 1)]
+    return [Face(room, floor, axis, sign) for axis in AXES for sign in (-1, 1)]

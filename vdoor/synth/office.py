@@ -10,7 +10,7 @@ from vdoor.synth import furniture, scan
 from vdoor.synth.canvas import Cells, Rect, Shape, box, disc, fine, turned_box
 from vdoor.synth.drawn_walls import Walls, draw_walls
 from vdoor.synth.furniture import keep_passable
-from vdoor.synth.layout import Gap, Layout, drawn, laid
+from vdoor.synth.layout import Gap, Layout, drawn, laid_on_map
 from vdoor.synth.office_parts import (
     Sketch,
     add_doors,
@@ -21,7 +21,7 @@ from vdoor.synth.office_parts import (
     fill_block,
     put_screens,
 )
-from vdoor.synth.settings import Office
+from vdoor.synth.settings import Office, chance
 from vdoor.synth.truth import SyntheticMap, with_truth
 from vdoor.synth.wall_style import drawn_style, planned
 
@@ -42,18 +42,18 @@ def draw_office(settings: Office, rng: np.random.Generator) -> SyntheticMap:
     style = drawn_style(settings, for_style)
     built = planned(settings, style)
     plan = drawn(_plan(built, for_plan))
-    if settings.furniture and for_furniture.random() < settings.furnished_chance:
+    if settings.furniture and chance(settings.furnished_chance, for_furniture):
         keep_passable(plan, _furniture(plan.layout, for_furniture))
-    placed = laid(plan.canvas, settings, AROUND_M, for_place)
+    placed = laid_on_map(plan.canvas, settings, AROUND_M, for_place)
     walls = Walls(style, for_walls, plan, placed, built.wall_max_m)
     return with_truth(_scanned(walls, settings, for_scan), placed, plan.opened, settings)
 
 
 def _plan(settings: Office, rng: np.random.Generator) -> Layout:
-    """Return a plan: what no door reaches is part of the sheet but of no room."""
+    """Return a plan: what no door reaches is drawn but part of no room."""
     wall = fine(rng.uniform(settings.wall_min_m, settings.wall_max_m))
     door = fine(rng.uniform(settings.door_min_m, settings.door_max_m))
-    sketch = Sketch(settings, rng, wall, door, FLUSH_M if rng.random() < settings.flush_chance else JAMB_M)
+    sketch = Sketch(settings, rng, wall, door, FLUSH_M if chance(settings.flush_chance, rng) else JAMB_M)
     _arrange(sketch)
     for hall in sketch.halls:
         if sketch.chance(settings.divided_hall_chance):
@@ -70,7 +70,7 @@ def _plan(settings: Office, rng: np.random.Generator) -> Layout:
 
 def _upright_or_not(layout: Layout, rng: np.random.Generator) -> Layout:
     """Return the plan with x and y exchanged, as often as not."""
-    if rng.random() < 0.5:  # noqa: PLR2004
+    if chance(0.5, rng):
         return layout
 
     def swapped(rects: tuple[Rect, ...]) -> tuple[Rect, ...]:
@@ -85,16 +85,14 @@ def _upright_or_not(layout: Layout, rng: np.random.Generator) -> Layout:
 
 def _arrange(sketch: Sketch) -> None:
     """Lay out main corridors, cross corridors, and rooms in and around the blocks between them."""
-    low, high = (
-        MARGIN_M,
-        fine(MARGIN_M + sketch.rng.uniform(sketch.settings.length_min_m, sketch.settings.length_max_m)),
-    )
+    settings = sketch.settings
+    low, high = MARGIN_M, fine(MARGIN_M + sketch.rng.uniform(settings.length_min_m, settings.length_max_m))
     mains, below, above = _main_corridors(sketch, low, high)
     ends = _end_columns(sketch, low, high) if len(mains) > 1 else (low, high)
     mains = [main.spanning(0, *ends) for main in mains]
     crossings = _cross_corridors(sketch, mains) if len(mains) > 1 else []
     sketch.corridors += mains + crossings
-    if sketch.chance(sketch.settings.mouth_chance):
+    if sketch.chance(settings.mouth_chance):
         _part_crossings(sketch, mains, crossings)
     for lower, upper in itertools.pairwise(mains):
         _fill_between(sketch, lower, upper, crossings)
@@ -215,9 +213,9 @@ def _desks(floor: Rect, on_legs: float, leg_m: float, rng: np.random.Generator) 
     return found
 
 
-def _bins(floor: Rect, chance: float, rng: np.random.Generator) -> list[Shape]:
+def _bins(floor: Rect, share: float, rng: np.random.Generator) -> list[Shape]:
     """Return a bin near the wall of some rooms."""
-    if rng.random() >= chance:
+    if not chance(share, rng):
         return []
     rect = furniture.against_wall(floor, (0.4, 0.4), (0.4, 0.4), rng)
     return [disc(piece.middle, 0.2) for piece in rect]
@@ -226,13 +224,13 @@ def _bins(floor: Rect, chance: float, rng: np.random.Generator) -> list[Shape]:
 def _scanned(walls: Walls, settings: Office, rng: np.random.Generator) -> Cells:
     """Return the cells: as drawn by an architect, or with the marks of a scan."""
     placed, rooms = walls.placed, walls.placed.rooms
-    scanned = rng.random() < settings.rough_chance
+    scanned = chance(settings.rough_chance, rng)
     if scanned:
         scan.roughen(rooms, rng.uniform(0.0, settings.rough_max), rng)
     cells = scan.outlined(rooms, np.zeros(rooms.shape, np.bool_), depth=int(rng.integers(1, 4)))
     draw_walls(cells, walls)
-    if rng.random() < settings.faded_chance:
+    if chance(settings.faded_chance, rng):
         scan.forget_walls(cells, rng.random(), rng)
     for _ in range(int(rng.poisson(2.0)) if scanned else 0):
-        scan.look_outside(placed, cells, (0.3, 2.0), rng)
+        scan.cast_through_window(placed, cells, (0.3, 2.0), rng)
     return cells

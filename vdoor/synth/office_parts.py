@@ -10,7 +10,7 @@ import numpy as np
 
 from vdoor.synth.canvas import Axis, Rect, fine, square_to
 from vdoor.synth.layout import Gap, Groups, placed_door, walls_between
-from vdoor.synth.settings import Office
+from vdoor.synth.settings import Office, chance
 
 DOUBLE_M = (1.4, 2.0)
 OPENING_M = (1.2, 2.6)
@@ -55,7 +55,7 @@ class Sketch:
 
     def chance(self, share: float) -> bool:
         """Whether something of that chance happens."""
-        return bool(self.rng.random() < share)
+        return chance(share, self.rng)
 
 
 def add_outer_row(sketch: Sketch, rect: Rect, along: Axis) -> None:

@@ -1,4 +1,4 @@
-"""All that one can set: for apartments, homes and offices. Values that cannot be drawn are refused."""
+"""All that one can set for apartments, homes and offices; values that cannot be drawn are refused."""
 
 from __future__ import annotations
 
@@ -8,6 +8,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import TYPE_CHECKING
+
+import numpy as np
 
 from vdoor.errors import SettingError
 from vdoor.synth.canvas import FINE_M, LATTICE_M, lattice_range
@@ -292,6 +294,16 @@ def _check_order(settings: DataclassInstance) -> None:
         if values[low] > values.get(high, math.inf):
             place = f"{type(settings).__name__}.{high}"
             raise SettingError(f"{place}: wanted at least {low} = {values[low]:g}, found {values[high]:g}")
+
+
+def chance(share: float, rng: np.random.Generator) -> bool:
+    """Whether something happens that does in that share of cases."""
+    return bool(rng.random() < share)
+
+
+def log_uniform(low: float, high: float, rng: np.random.Generator) -> float:
+    """Draw a value between the two, evenly on a logarithmic scale."""
+    return math.exp(rng.uniform(math.log(low), math.log(high)))
 
 
 CHANCE = (0.0, 1.0)

@@ -1,4 +1,4 @@
-"""From cells and room numbers to a map with its truth: rooms in reach, and the doors that still join two of them."""
+"""A map and the truth about it: its rooms as far as they are in reach, the doors that join them; and their files."""
 
 from __future__ import annotations
 
@@ -129,15 +129,15 @@ def write_synthetic(made: SyntheticMap, path_stem: Path, *, seed: int | None = N
     contents = {
         f"{path_stem.name}.pgm": _pgm(made),
         f"{path_stem.name}_truth.png": _png(made),
-        f"{path_stem.name}_truth.json": (json.dumps(truth(made, seed=seed), indent=1) + "\n").encode(),
+        f"{path_stem.name}_truth.json": (json.dumps(_truth(made, seed=seed), indent=1) + "\n").encode(),
         f"{path_stem.name}.yaml": _yaml(made, f"{path_stem.name}.pgm"),
     }
     make_folder(path_stem.parent)
     return tuple(write_whole(path_stem.with_name(name), content) for name, content in contents.items())
 
 
-def truth(made: SyntheticMap, *, seed: int | None = None) -> dict[str, Any]:
-    """Return what the truth's JSON says: rooms with areas, doors in metres and in cells (row, col), settings, seed."""
+def _truth(made: SyntheticMap, *, seed: int | None = None) -> dict[str, Any]:
+    """Return the truth for the JSON: rooms with areas, doors in metres and in cells (row, col), settings, seed."""
     frame = made.grid.frame
     numbers, counts = np.unique(made.rooms[made.rooms > 0], return_counts=True)
     return {
