@@ -1,7 +1,8 @@
 """Maps of our own: apartments, homes and offices drawn from a seed, with the truth about their rooms and doors.
 
-Each kind has its settings (`settings`) and a module that draws it: `apartment`, `home`, `office`. A plan in metres
-is drawn on a fine raster (`canvas`), furnished, and seen by a robot; what comes out is a map and its `truth`.
+`settings` has all that one can set; `apartment`, `home` and `office` draw one kind each. A plan in metres (`layout`)
+is painted on a fine raster (`canvas`) and furnished (`furniture`), a robot sees it (`scan`), the walls of some maps are
+drawn in other ways (`wall_style`, `drawn_walls`), and what comes out is a map with its `truth`.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
-"""From settings and a random generator to an apartment. What a robot sees of it is drawn on the fine raster as well.
+"""From settings and a random generator to an apartment: its walls, and what a robot sees of them.
 
-So the same generator state gives the same apartment at any cell size. (Homes and offices are laid on the map's cells
-first, and scanned there.)
+Homes and offices are laid on the map's cells and scanned there. Apartments are scanned on the canvas itself, before it
+is reduced to the map's cells: so the same generator state gives the same apartment at any cell size.
 """
 
 from __future__ import annotations
@@ -67,7 +67,7 @@ def draw_apartment(settings: Apartment, rng: np.random.Generator) -> SyntheticMa
 
 def _drawn(plan: Plan) -> Sheet:
     """Return a sheet with the rooms' floors free, and doors halved between them."""
-    width, height = (round(side / FINE_M) for side in plan.size_m)
+    width, height = (round(side / FINE_M) for side in plan.size_m)  # `Canvas.blank` rounds up, here that is not exact
     sheet = Sheet(np.zeros((height, width), np.int32), np.full((height, width), UNKNOWN, np.int8))
     for number, room in enumerate(plan.rooms, start=1):
         sheet.paint(room, number)
@@ -160,8 +160,8 @@ def _upright(sheet: Sheet, frame: Frame) -> Sheet:
     height, width = sheet.rooms.shape
     cos, sin = abs(math.cos(frame.yaw_rad)), abs(math.sin(frame.yaw_rad))
     upright = Frame(math.ceil(height * cos + width * sin), math.ceil(width * cos + height * sin), FINE_M)
-    # Not by way of `Canvas.placed`, which sums in another order: at 45 degrees some cells lie just between two others,
-    # and the last bit decides. Homes and offices never lie so.
+    # `Canvas.placed` does the same for homes and offices, but sums in another order. Turned by 45 degrees, a row of an
+    # apartment's cells lies halfway between two others: there the last bit decides, and maps would change.
     centres = upright.world_from_cell(np.indices((upright.height, upright.width)).reshape(2, -1).T)
     row, col = frame.cell_from_world(centres).T.reshape(2, upright.height, upright.width)
     return Sheet(nearest(sheet.rooms, row, col), nearest(sheet.cells, row, col, beyond=UNKNOWN))

@@ -1,4 +1,7 @@
-"""The fine raster that maps are drawn on, the shapes drawn on it in metres, and how it is laid on a map's cells."""
+"""The fine raster that maps are drawn on, the shapes drawn on it, and how it is laid on a map's cells.
+
+Shapes are in metres, x right, y up, from the canvas's lower left corner.
+"""
 
 from __future__ import annotations
 
@@ -24,7 +27,8 @@ Cells = NDArray[np.int8]
 """State of each cell (h, w) as in `OccupancyGrid`."""
 Shape = NDArray[np.float64]
 """Corners (k, 2) as x, y of a convex polygon, counter-clockwise."""
-# Points and lengths are in metres, x right, y up.
+HAIR_M = 1e-6
+"""Less than this is nothing."""
 
 
 def fine(value_m: float) -> float:
@@ -85,12 +89,12 @@ class Rect:
         return Rect((self.low[0], low), (self.high[0], high))
 
     def overlaps(self, other: Rect) -> bool:
-        """Whether the two have area in common (a hair's breadth is none)."""
-        return all(self.low[k] < other.high[k] - 1e-6 and other.low[k] < self.high[k] - 1e-6 for k in (0, 1))
+        """Whether the two have area in common (less than a hair is none)."""
+        return all(self.low[k] < other.high[k] - HAIR_M and other.low[k] < self.high[k] - HAIR_M for k in (0, 1))
 
     def holds(self, other: Rect) -> bool:
         """Whether `other` lies inside."""
-        return all(self.low[k] < other.low[k] + 1e-6 and other.high[k] < self.high[k] + 1e-6 for k in (0, 1))
+        return all(self.low[k] < other.low[k] + HAIR_M and other.high[k] < self.high[k] + HAIR_M for k in (0, 1))
 
 
 def turned_box(middle: tuple[float, float], sides: tuple[float, float], angle_rad: float = 0.0) -> Shape:
@@ -103,6 +107,12 @@ def turned_box(middle: tuple[float, float], sides: tuple[float, float], angle_ra
 def box(rect: Rect) -> Shape:
     """Return an upright rectangle as a shape."""
     return turned_box(rect.middle, rect.sides)
+
+
+def around(shape: Shape) -> Rect:
+    """Return the upright rectangle around a shape."""
+    low, high = shape.min(axis=0), shape.max(axis=0)
+    return Rect((low[0], low[1]), (high[0], high[1]))
 
 
 def disc(middle: tuple[float, float], radius_m: float) -> Shape:
@@ -148,8 +158,7 @@ class Canvas:
 
     def block(self, shape: Shape) -> None:
         """Make the cells solid whose centres lie within a convex polygon."""
-        low, high = shape.min(axis=0), shape.max(axis=0)
-        rows, cols = self.window(Rect((low[0], low[1]), (high[0], high[1])).grown(FINE_M, FINE_M))
+        rows, cols = self.window(around(shape).grown(FINE_M, FINE_M))
         x, y = self._centres(rows, cols)
         inside = np.ones((y.size, x.size), np.bool_)
         for (x0, y0), (x1, y1) in zip(shape.tolist(), np.roll(shape, -1, axis=0).tolist(), strict=True):
@@ -182,8 +191,8 @@ class Canvas:
         """Return where the turned canvas lies with its lowest x and y at `low_m`, and how wide and high it is then."""
         height, width = self.rooms.shape
         corners = np.array([(-0.5, -0.5), (-0.5, width - 0.5), (height - 0.5, -0.5), (height - 0.5, width - 0.5)])
-        around = Frame(height, width, FINE_M, yaw_rad=yaw_rad).world_from_cell(corners)
-        (left, bottom), (right, top) = around.min(axis=0).tolist(), around.max(axis=0).tolist()
+        points = Frame(height, width, FINE_M, yaw_rad=yaw_rad).world_from_cell(corners)
+        (left, bottom), (right, top) = points.min(axis=0).tolist(), points.max(axis=0).tolist()
         frame = Frame(height, width, FINE_M, low_m[0] - left, low_m[1] - bottom, yaw_rad)
         return frame, (right - left, top - bottom)
 

@@ -1,4 +1,4 @@
-"""What stands in homes and offices: furniture, clutter, open doors; and that none of it cuts a door off."""
+"""What stands on the floors of homes and offices: furniture, clutter, open doors; none of it cuts a door off."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 from scipy import ndimage
 
-from vdoor.synth.canvas import Axis, Canvas, Rect, Shape, box, fine, square_to, turned_box
+from vdoor.synth.canvas import Axis, Canvas, Rect, Shape, around, box, fine, square_to, turned_box
 from vdoor.synth.layout import Drawn, Gap
 from vdoor.synth.settings import chance
 
@@ -57,10 +57,10 @@ def free_standing(floor: Rect, side_m: Span, rng: np.random.Generator, *, turned
     return turned_box((x, y), sides, rng.uniform(0.0, math.pi) if chance(turned_chance, rng) else 0.0)
 
 
-def legs(around: Shape, leg_m: float) -> list[Shape]:
+def legs(outline: Shape, leg_m: float) -> list[Shape]:
     """Return what touches the floor of a table or chair of that outline."""
-    middle = around.mean(axis=0)
-    return [turned_box(tuple(middle + 0.9 * (corner - middle)), (leg_m, leg_m)) for corner in around]
+    middle = outline.mean(axis=0)
+    return [turned_box(tuple(middle + 0.9 * (corner - middle)), (leg_m, leg_m)) for corner in outline]
 
 
 def clutter(floor: Rect, rng: np.random.Generator) -> Shape:
@@ -110,9 +110,7 @@ def niche(gap: Gap, rng: np.random.Generator) -> list[Shape]:
 
 def clear_of(shape: Shape, zones: Sequence[Rect]) -> bool:
     """Whether the box around a shape overlaps none of the zones."""
-    low, high = shape.min(axis=0), shape.max(axis=0)
-    around = Rect((low[0], low[1]), (high[0], high[1]))
-    return not any(around.overlaps(zone) for zone in zones)
+    return not any(around(shape).overlaps(zone) for zone in zones)
 
 
 def keep_passable(plan: Drawn, things: Sequence[tuple[Rect, Shape]]) -> None:

@@ -1,4 +1,4 @@
-"""From settings and a random generator to a home as a robot vacuum maps it."""
+"""From settings and a random generator to a home as a robot vacuum maps it: its furniture, and what the robot sees."""
 
 from __future__ import annotations
 
@@ -10,7 +10,6 @@ import numpy as np
 from vdoor.synth import furniture, scan
 from vdoor.synth.canvas import Cells, Placed, Rect, Shape, box
 from vdoor.synth.drawn_walls import Walls, draw_walls
-from vdoor.synth.furniture import keep_passable
 from vdoor.synth.home_plan import draw_home_plan
 from vdoor.synth.layout import Gap, Layout, Opened, SlantingGap, drawn, laid_on_map
 from vdoor.synth.settings import Home, chance, log_uniform
@@ -28,9 +27,8 @@ def draw_home(settings: Home, rng: np.random.Generator) -> SyntheticMap:
     style = drawn_style(settings, for_style)
     built = planned(settings, style)
     plan = drawn(draw_home_plan(built, for_plan))
-    keep_passable(
-        plan, _beside_doors(plan.opened, settings, for_doors) + _furniture(plan.layout, settings, for_furniture)
-    )
+    standing = _beside_doors(plan.opened, settings, for_doors) + _furniture(plan.layout, settings, for_furniture)
+    furniture.keep_passable(plan, standing)
     placed = laid_on_map(plan.canvas, settings, AROUND_M, for_place)
     walls = Walls(style, for_walls, plan, placed, built.wall_max_m)
     return with_truth(_scanned(walls, settings, for_scan), placed, plan.opened, settings)
@@ -81,9 +79,9 @@ def _small(floor: Rect, clutter_per_m2: float, rng: np.random.Generator) -> list
     """Return clutter, and legs of tables and chairs."""
     found = [furniture.clutter(floor, rng) for _ in range(rng.poisson(clutter_per_m2 * floor.area))]
     for _ in range(rng.poisson(clutter_per_m2 * floor.area / 5)):
-        around = furniture.free_standing(floor, (0.3, 1.4), rng, turned_chance=0.4)
-        if around is not None:
-            found += furniture.legs(around, rng.uniform(0.04, 0.1))
+        table = furniture.free_standing(floor, (0.3, 1.4), rng, turned_chance=0.4)
+        if table is not None:
+            found += furniture.legs(table, rng.uniform(0.04, 0.1))
     return found
 
 

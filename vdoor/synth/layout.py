@@ -1,4 +1,7 @@
-"""Plans of any shape: floors, solids, and gaps in walls. Floors that touch are one room; gaps part rooms."""
+"""Plans of any shape: floors, solids, and gaps in walls. Floors that touch are one room; gaps part rooms.
+
+Also the walls between floors, and doors in them.
+"""
 
 from __future__ import annotations
 
@@ -10,10 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from vdoor.synth.canvas import AXES, FINE_M, Axis, Canvas, Placed, Rect, fine, square_to
+from vdoor.synth.canvas import AXES, FINE_M, HAIR_M, Axis, Canvas, Placed, Rect, fine, square_to
 from vdoor.synth.settings import Home, Office, chance
-
-HAIR_M = 1e-6
 
 
 @dataclass(frozen=True)
@@ -92,7 +93,7 @@ class Layout:
 
 @dataclass(frozen=True)
 class Opened:
-    """A gap between two rooms, and their numbers on the canvas: the lower side first."""
+    """A gap between two rooms, and their numbers on the canvas: that on the lower side first."""
 
     gap: Gap
     rooms: tuple[int, int]
@@ -159,7 +160,10 @@ def placed_door(
     corner: float,
     snapped: Callable[[float], float] = fine,
 ) -> Gap:
-    """Return a door in a wall: with chance `corner` within `jamb_m` (least, most) of one of its ends."""
+    """Return a door in a wall: with chance `corner` within `jamb_m` (least, most) of one of its ends.
+
+    `snapped` moves lengths onto a raster.
+    """
     slack = max(wall.rect.sides[wall.along] - 2 * jamb_m[0] - width_m, 0.0)
     offset = rng.uniform(0.0, slack)
     if chance(corner, rng):

@@ -1,4 +1,4 @@
-"""From settings and a random generator to a floor of an office building: its plan, its furniture, its map."""
+"""From settings and a random generator to a floor of an office building: its corridors, its furniture, its map."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ import numpy as np
 from vdoor.synth import furniture, scan
 from vdoor.synth.canvas import Cells, Rect, Shape, box, disc, fine, turned_box
 from vdoor.synth.drawn_walls import Walls, draw_walls
-from vdoor.synth.furniture import keep_passable
 from vdoor.synth.layout import Gap, Layout, drawn, laid_on_map
 from vdoor.synth.office_parts import (
     Sketch,
@@ -43,7 +42,7 @@ def draw_office(settings: Office, rng: np.random.Generator) -> SyntheticMap:
     built = planned(settings, style)
     plan = drawn(_plan(built, for_plan))
     if settings.furniture and chance(settings.furnished_chance, for_furniture):
-        keep_passable(plan, _furniture(plan.layout, for_furniture))
+        furniture.keep_passable(plan, _furniture(plan.layout, for_furniture))
     placed = laid_on_map(plan.canvas, settings, AROUND_M, for_place)
     walls = Walls(style, for_walls, plan, placed, built.wall_max_m)
     return with_truth(_scanned(walls, settings, for_scan), placed, plan.opened, settings)

@@ -1,4 +1,4 @@
-"""What a robot makes of a plan, cell by cell: it sees faces of walls only, and those roughly, and not every corner."""
+"""What a robot sees of homes and offices, cell by cell: the faces of walls only, roughly, and not every corner."""
 
 from __future__ import annotations
 

@@ -19,7 +19,7 @@ from scipy import ndimage
 from vdoor.files import make_folder, write_whole
 from vdoor.frame import Frame
 from vdoor.grid import UNKNOWN, OccupancyGrid
-from vdoor.synth.canvas import Placed, Rooms
+from vdoor.synth.canvas import Cells, Placed, Rooms
 from vdoor.synth.layout import Gap, Opened
 from vdoor.synth.settings import Apartment, Home, Office
 
@@ -50,15 +50,13 @@ class SyntheticMap:
     """A map and the truth about it."""
 
     grid: OccupancyGrid
-    rooms: NDArray[np.int32]
+    rooms: Rooms
     """Room of each free cell (h, w), from 1; 0 where not free, free but out of reach of the rooms, or within a wall."""
     doors: tuple[TrueDoor, ...]
     settings: Apartment | Home | Office
 
 
-def with_truth(
-    cells: NDArray[np.int8], placed: Placed, opened: Sequence[Opened], settings: Home | Office
-) -> SyntheticMap:
+def with_truth(cells: Cells, placed: Placed, opened: Sequence[Opened], settings: Home | Office) -> SyntheticMap:
     """Return the map cut to what is known, rooms numbered anew from 1, and doors where two of them touch."""
     rooms = in_reach(placed.rooms, placed.rooms > 0)
     doors = [door for door in opened if _touch(rooms, door, placed)]

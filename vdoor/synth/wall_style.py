@@ -1,4 +1,4 @@
-"""In what hand the walls of one map are drawn: solid, as outlines, in pieces, with grey edges."""
+"""How the walls of one map are drawn: solid, as outlines, in pieces, or with grey edges."""
 
 from __future__ import annotations
 
