@@ -29,10 +29,10 @@ from vdoor.paper import (
     crossover,
     measured_rates,
     mutation,
+    run_method,
     sub_cases,
     table_one,
     walk_through,
-    walked,
 )
 from vdoor.paper.claims import claims
 from vdoor.paper.doors_counted import Share, counted, counted_all, lines_m, methods_for
@@ -47,7 +47,7 @@ from vdoor.paper.search_claims import (
 )
 from vdoor.paper.sub_cases import shown
 from vdoor.paper.table_one import Environment
-from vdoor.paper.walk_through import figure_walk
+from vdoor.paper.walkthrough import figure_5_run
 from vdoor.synth import PRESETS as KINDS
 from vdoor.synth import synthesize
 
@@ -133,7 +133,7 @@ def test_the_rates_shown_are_those_of_the_printed_chances() -> None:
 
 
 def test_the_walk_through_ends_as_the_paper_does_and_the_search_finds_the_proven_optimum() -> None:
-    walk = figure_walk()
+    walk = figure_5_run()
     ours = {line.what: line.ours for line in walk_through(walk).lines}
     assert ours["nodes of the final map"] == 4
     assert ours["edges of the final map"] == 3
@@ -144,7 +144,7 @@ def test_the_walk_through_ends_as_the_paper_does_and_the_search_finds_the_proven
 
 
 def test_the_walk_through_is_of_the_printed_size_and_says_why_where_it_is_not() -> None:
-    for line in walk_through(figure_walk()).lines:
+    for line in walk_through(figure_5_run()).lines:
         assert line.printed / 2 <= line.ours <= line.printed * 2, line
         assert line.note or abs(line.ours - line.printed) <= 1, line
 
@@ -156,7 +156,7 @@ def test_the_papers_own_numbers_do_not_give_the_load_it_prints() -> None:
 
 def test_counts_are_those_of_the_run() -> None:
     grid = SUB_CASES[-1].grid
-    walk = walked(grid, seed=3)
+    walk = run_method(grid, seed=3)
     assert walk.counts.final_edges == len(run(grid, "paper", seed=3).doors)
     assert len(walk.generations) == 51
     assert walk.counts.virtual_doors == walk.counts.pairs + walk.counts.singles
@@ -246,7 +246,7 @@ def test_where_islands_are_kept_nothing_is_taken_out_and_more_is_found_that_is_n
 
 
 def test_section_3_is_told_by_the_searches_themselves() -> None:
-    walk = figure_walk(seed=5)
+    walk = figure_5_run(seed=5)
     found = search_claims(walk, graphs=2)
     assert found.reached[5] == walk.counts.best_generation == found.best_generation
     assert found.evaluations == 50 * (walk.counts.best_generation + 1)

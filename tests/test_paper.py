@@ -18,7 +18,7 @@ from PIL import Image
 from vdoor.experiments.search_study import Graph
 from vdoor.method.corners import Candidates
 from vdoor.method.curvature import Curvature
-from vdoor.paper import DoorCount, Study, apartments, walked
+from vdoor.paper import DoorCount, Study, apartments, run_method
 from vdoor.paper.document import to_json
 from vdoor.paper.everything import Size, gathered
 from vdoor.paper.folder import files
@@ -28,7 +28,7 @@ from vdoor.paper.runs import runs
 from vdoor.paper.slips import arctan_wrong
 from vdoor.paper.sub_cases import SUB_CASES
 from vdoor.paper.table import Table
-from vdoor.paper.walk_through import figure_map
+from vdoor.paper.walkthrough import figure_5_map
 from vdoor.pipeline import RECORDS, recorded
 from vdoor.recording.mcap import read_recording
 
@@ -238,7 +238,7 @@ def test_the_share_that_the_printed_arctan_mistakes_is_counted_right() -> None:
         down, right = of[sample].tolist()
         return math.degrees(math.atan(-down / right)) if right else math.copysign(90, -down)
 
-    walk = walked(figure_map())
+    walk = run_method(figure_5_map())
     candidates, curvature = walk.get(Candidates), walk.get(Curvature)
     alphas = [alpha_deg(curvature.forward, at) - alpha_deg(curvature.backward, at) for at in candidates.sample.tolist()]
     convex = np.array([alpha >= 180 or -180 <= alpha < 0 for alpha in alphas])
@@ -246,6 +246,6 @@ def test_the_share_that_the_printed_arctan_mistakes_is_counted_right() -> None:
 
 
 def test_true_corners_obey_the_law_of_islands() -> None:
-    for grid in (figure_map(), *(case.grid for case in SUB_CASES)):
-        counts = walked(grid).counts
+    for grid in (figure_5_map(), *(case.grid for case in SUB_CASES)):
+        counts = run_method(grid).counts
         assert counts.concave_turns - counts.convex_turns == 4 - 4 * counts.islands

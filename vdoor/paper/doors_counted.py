@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from vdoor.baselines import ErodedSpacePipeline, VoronoiDoorsPipeline
 from vdoor.evaluate.door_matching import nearest_pairs
-from vdoor.paper.walk import paper
+from vdoor.paper.walkthrough import paper_pipeline
 from vdoor.synth import SyntheticMap
 from vdoor.topology import TopologicalMap
 
@@ -31,7 +31,7 @@ METHODS: Mapping[str, Any] = MappingProxyType(  # Any: pipelines of several clas
     {
         "voronoi-doors": VoronoiDoorsPipeline(),  # after [8]
         "eroded-space": ErodedSpacePipeline(),  # after [8]
-        PROPOSED: paper(),
+        PROPOSED: paper_pipeline(),
     }
 )
 """The existing algorithm's two stand-ins, and the paper's method; all at its working resolution."""

@@ -10,7 +10,7 @@ from vdoor.paper.search_claims import SearchClaims, search_claims
 from vdoor.paper.slips import Slip, Unprinted, slips, unprinted
 from vdoor.paper.sub_cases import Shown, sub_cases
 from vdoor.paper.table_one import Row, table_one
-from vdoor.paper.walk_through import WalkThrough, figure_walk, walk_through
+from vdoor.paper.walkthrough import WalkThrough, figure_5_run, walk_through
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -46,7 +46,7 @@ class Evidence:
 
 def gathered(size: Size, told: Told = nobody) -> Evidence:
     """Everything, in about half a minute; `told` hears how far it is. Equal sizes give equal evidence."""
-    walk = figure_walk(seed=size.seed)
+    walk = figure_5_run(seed=size.seed)
     return Evidence(
         size=size,
         figure_3=sub_cases(),

@@ -13,8 +13,7 @@ from vdoor.paper.everything import Evidence
 from vdoor.paper.runs import case_name
 from vdoor.paper.sub_cases import SUB_CASES, SubCase
 from vdoor.paper.table_one import ENVIRONMENTS, Environment
-from vdoor.paper.walk import paper, walked
-from vdoor.paper.walk_through import figure_walk
+from vdoor.paper.walkthrough import figure_5_run, paper_pipeline, run_method
 
 FIGURE_5, SEARCH, TABLE_1 = "figure_5.png", "search.png", "table_1.png"
 
@@ -33,15 +32,15 @@ def pictures(evidence: Evidence) -> Iterator[tuple[str, bytes]]:
     for case in SUB_CASES:
         yield picture_of(case), _sub_case(case)
     seed = evidence.size.seed
-    yield FIGURE_5, draw.walk_through(figure_walk(seed=seed).records)
+    yield FIGURE_5, draw.walk_through(figure_5_run(seed=seed).records)
     yield SEARCH, _search(evidence)
     yield TABLE_1, draw.comparison([_compared(environment, seed) for environment in ENVIRONMENTS])
 
 
 def _sub_case(case: SubCase) -> bytes:
-    after = before = walked(case.grid)
+    after = before = run_method(case.grid)
     if case.undone:
-        before = walked(case.grid, dataclasses.replace(paper(), simplify=case.undone))
+        before = run_method(case.grid, dataclasses.replace(paper_pipeline(), simplify=case.undone))
     return draw.sub_case(case.part, before.records, after.records)
 
 

@@ -17,8 +17,7 @@ from vdoor.outputs import Outputs, opened
 from vdoor.paper.doors_counted import CALLED, PROPOSED, methods_for
 from vdoor.paper.sub_cases import SUB_CASES
 from vdoor.paper.table_one import ENVIRONMENTS
-from vdoor.paper.walk import paper
-from vdoor.paper.walk_through import figure_map
+from vdoor.paper.walkthrough import figure_5_map, paper_pipeline
 from vdoor.pipeline import METHODS, PRESETS, AnyPipeline
 
 
@@ -52,7 +51,7 @@ class Run:
 def runs(seed: int) -> Iterator[Run]:
     """All of them, in the paper's order."""
     yield from _of_sub_cases()
-    yield Run("figure_5", "Fig. 5, the walk-through", figure_map(), paper(), seed=seed)
+    yield Run("figure_5", "Fig. 5, the walk-through", figure_5_map(), paper_pipeline(), seed=seed)
     for furniture in (False, True):
         yield from _of_table(seed, furniture=furniture)
 
@@ -64,9 +63,9 @@ def case_name(part: str) -> str:
 
 def _of_sub_cases() -> Iterator[Run]:
     for case in SUB_CASES:
-        yield Run(case_name(case.part), f"Fig. {case.part}, {case.name}", case.grid, paper())
+        yield Run(case_name(case.part), f"Fig. {case.part}, {case.name}", case.grid, paper_pipeline())
         if case.undone:
-            undone = dataclasses.replace(paper(), simplify=case.undone)
+            undone = dataclasses.replace(paper_pipeline(), simplify=case.undone)
             what = f"Fig. {case.part}, without that step"
             yield Run(f"{case_name(case.part)}_undone", what, case.grid, undone)
 

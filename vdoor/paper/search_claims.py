@@ -14,7 +14,7 @@ from vdoor.method.search.optimisers import ExhaustiveSearch
 from vdoor.method.search.problem import MergeProblem
 from vdoor.paper.apartments import Told, nobody
 from vdoor.paper.doors_counted import Share
-from vdoor.paper.walk import Walk, paper
+from vdoor.paper.walkthrough import MethodRun, paper_pipeline
 
 SAME_COST = 1e-9
 SEEDS = 200
@@ -98,12 +98,12 @@ def log2_load(evaluations: int, edges: int) -> float:
     return math.log2(evaluations) - edges
 
 
-def search_claims(walk: Walk, *, graphs: int = 60, told: Told = nobody) -> SearchClaims:
+def search_claims(walk: MethodRun, *, graphs: int = 60, told: Told = nobody) -> SearchClaims:
     """What section III claims, on the run walked through and on `graphs` maps with 1 to 20 virtual doors."""
-    problem = MergeProblem(walk.get(InitialMap), paper().cost)
+    problem = MergeProblem(walk.get(InitialMap), paper_pipeline().cost)
     tried = list(ExhaustiveSearch()(problem, np.random.default_rng()))
     told(f"searching the walk-through's map {SEEDS} times")
-    reached = tuple(first_hit(paper(), problem, tried[-1].best_cost, seed) for seed in range(SEEDS))
+    reached = tuple(first_hit(paper_pipeline(), problem, tried[-1].best_cost, seed) for seed in range(SEEDS))
     told(f"searching {graphs} maps {SEARCHES} times each")
     return SearchClaims(
         edges=problem.edges,
@@ -113,7 +113,7 @@ def search_claims(walk: Walk, *, graphs: int = 60, told: Told = nobody) -> Searc
         evaluations=walk.counts.evaluations,
         all_evaluations=walk.generations[-1].evaluations,
         reached=reached,
-        graphs=tuple(hit_rates(paper(), graphs=graphs, seeds=SEARCHES)),
+        graphs=tuple(hit_rates(paper_pipeline(), graphs=graphs, seeds=SEARCHES)),
     )
 
 

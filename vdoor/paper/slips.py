@@ -13,7 +13,7 @@ from vdoor.method.doors import ProposeDoors
 from vdoor.method.search.costs import MapCost
 from vdoor.method.search.optimisers import GeneticSearch
 from vdoor.paper.search_claims import POPULATION, PRINTED_EDGES, PRINTED_GENERATION, log2_load
-from vdoor.paper.walk import Walk, paper
+from vdoor.paper.walkthrough import MethodRun, paper_pipeline
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -34,12 +34,12 @@ class Unprinted:
     taken: str
 
 
-def slips(walk: Walk) -> tuple[Slip, ...]:
+def slips(walk: MethodRun) -> tuple[Slip, ...]:
     """All of them, in the paper's order, with what the walk-through's run says to it."""
     return (*_of_curvature(walk), *_of_doors(), *_of_search(), *_of_results(walk))
 
 
-def arctan_wrong(walk: Walk) -> tuple[int, int]:
+def arctan_wrong(walk: MethodRun) -> tuple[int, int]:
     """How many candidates eq. 6 with arctan, as printed, takes for the other kind; and of how many."""
     candidates, curvature = walk.get(Candidates), walk.get(Curvature)
     forward, backward = (
@@ -50,9 +50,9 @@ def arctan_wrong(walk: Walk) -> tuple[int, int]:
     return int(((alpha < 0) != candidates.convex).sum()), len(candidates.sample)
 
 
-def _of_curvature(walk: Walk) -> Iterator[Slip]:
+def _of_curvature(walk: MethodRun) -> Iterator[Slip]:
     wrong, of = arctan_wrong(walk)
-    reach_m = paper().curvature.reach_m
+    reach_m = paper_pipeline().curvature.reach_m
     yield Slip(
         where="II.B, eq. 1 and 2",
         printed="K is the largest value for which the distance is more than U_k times the length",
@@ -64,7 +64,7 @@ def _of_curvature(walk: Walk) -> Iterator[Slip]:
         where="II.B, eq. 5",
         printed="rho is the inverse of the angle between f and b, and candidates have rho > 1/155",
         trouble="infinite where f and b are parallel, as at the tip of a wall; the unit is left out",
-        here=f"angles are compared, below {paper().candidates.angle_deg:g} degrees, and never their inverse",
+        here=f"angles are compared, below {paper_pipeline().candidates.angle_deg:g} degrees, and never their inverse",
     )
     yield Slip(
         where="II.B, eq. 6",
@@ -76,7 +76,7 @@ def _of_curvature(walk: Walk) -> Iterator[Slip]:
 
 
 def _of_doors() -> Iterator[Slip]:
-    doors = paper().doors
+    doors = paper_pipeline().doors
     assert isinstance(doors, ProposeDoors)
     yield Slip(
         where="II.C",
@@ -95,7 +95,7 @@ def _of_doors() -> Iterator[Slip]:
 
 def _of_search() -> Iterator[Slip]:
     evaluations = PRINTED_GENERATION * POPULATION
-    search = paper().search
+    search = paper_pipeline().search
     assert isinstance(search, GeneticSearch)
     yield Slip(
         where="III",
@@ -118,7 +118,7 @@ def _of_search() -> Iterator[Slip]:
     )
 
 
-def _of_results(walk: Walk) -> Iterator[Slip]:
+def _of_results(walk: MethodRun) -> Iterator[Slip]:
     counts = walk.counts
     yield Slip(
         where="IV, Fig. 5d",
@@ -146,7 +146,7 @@ def _of_results(walk: Walk) -> Iterator[Slip]:
 
 def unprinted() -> tuple[Unprinted, ...]:
     """What had to be settled, and how; preset `paper` has it as settings."""
-    preset = paper()
+    preset = paper_pipeline()
     search, cost, simplify = preset.search, preset.cost, preset.simplify
     assert isinstance(search, GeneticSearch)
     assert isinstance(cost, MapCost)

@@ -10,7 +10,7 @@ import numpy as np
 
 from vdoor.grid import FREE, OCCUPIED, UNKNOWN, OccupancyGrid
 from vdoor.method.simplify import SimplifiedGrid, SimplifyGrid
-from vdoor.paper.walk import Counts, paper, walked
+from vdoor.paper.walkthrough import StageCounts, paper_pipeline, run_method
 
 CELL_M = 0.2
 SIGNS = {".": FREE, "#": OCCUPIED, "?": UNKNOWN}
@@ -44,8 +44,8 @@ class Shown:
     case: SubCase
     simplified: str
     """The simplified map, drawn as the map is."""
-    counts: Counts
-    undone: Counts | None
+    counts: StageCounts
+    undone: StageCounts | None
     """Without the step in question, where it can be left out."""
 
 
@@ -56,10 +56,14 @@ def sub_cases() -> tuple[Shown, ...]:
 
 def shown(case: SubCase) -> Shown:
     """The paper's preset on one of them."""
-    walk = walked(case.grid)
+    walk = run_method(case.grid)
     signs = {value: sign for sign, value in SIGNS.items()}
     rows = ("".join(signs[value] for value in row) for row in walk.get(SimplifiedGrid).cells.tolist())
-    undone = walked(case.grid, dataclasses.replace(paper(), simplify=case.undone)).counts if case.undone else None
+    undone = (
+        run_method(case.grid, dataclasses.replace(paper_pipeline(), simplify=case.undone)).counts
+        if case.undone
+        else None
+    )
     return Shown(case=case, simplified="\n".join(rows), counts=walk.counts, undone=undone)
 
 
