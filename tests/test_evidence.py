@@ -37,6 +37,7 @@ from vdoor.paper import (
 from vdoor.paper.claims import claims
 from vdoor.paper.doors_counted import Share, counted, counted_all, lines_m, methods_for
 from vdoor.paper.everything import Size, gathered
+from vdoor.paper.figures import run_sub_case
 from vdoor.paper.search_claims import (
     POPULATION,
     PRINTED_EDGES,
@@ -45,7 +46,6 @@ from vdoor.paper.search_claims import (
     log2_load,
     search_claims,
 )
-from vdoor.paper.sub_cases import shown
 from vdoor.paper.table_one import Environment
 from vdoor.paper.walkthrough import figure_5_run
 from vdoor.synth import PRESETS as KINDS
@@ -65,7 +65,7 @@ DOORS_OF_CASES = {
     "case", [case for case in SUB_CASES if case.part in DOORS_OF_CASES], ids=lambda case: case.part
 )
 def test_each_part_of_figure_3_shows_what_it_is_there_for(case: Any) -> None:
-    counts = shown(case).counts
+    counts = run_sub_case(case).counts
     candidates = (counts.concave_candidates, counts.convex_candidates)
     corners = (counts.concave_corners, counts.convex_corners)
     found = (candidates, corners, (counts.pairs, counts.singles), counts.final_edges)

@@ -21,12 +21,12 @@ from vdoor.method.curvature import Curvature
 from vdoor.paper import DoorCount, Study, apartments, run_method
 from vdoor.paper.document import to_json
 from vdoor.paper.everything import Size, gathered
+from vdoor.paper.figures import SUB_CASES
 from vdoor.paper.folder import files
 from vdoor.paper.page import page
 from vdoor.paper.pictures import NAMES
 from vdoor.paper.runs import runs
 from vdoor.paper.slips import arctan_wrong
-from vdoor.paper.sub_cases import SUB_CASES
 from vdoor.paper.table import Table
 from vdoor.paper.walkthrough import figure_5_map
 from vdoor.pipeline import RECORDS, recorded

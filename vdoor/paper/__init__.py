@@ -2,8 +2,16 @@
 
 from vdoor.paper.apartments import Study, apartments
 from vdoor.paper.doors_counted import METHODS, DoorCount
-from vdoor.paper.genetic_operators import Operation, Rates, crossover, measured_rates, mutation
-from vdoor.paper.sub_cases import SUB_CASES, SubCase, sub_cases
+from vdoor.paper.figures import (
+    SUB_CASES,
+    Operation,
+    OperatorRates,
+    SubCase,
+    crossover,
+    measured_rates,
+    mutation,
+    sub_cases,
+)
 from vdoor.paper.table_one import ENVIRONMENTS, PRINTED, Environment, Row, table_one
 from vdoor.paper.walkthrough import (
     ComparedCount,
@@ -25,7 +33,7 @@ __all__ = [
     "Environment",
     "MethodRun",
     "Operation",
-    "Rates",
+    "OperatorRates",
     "Row",
     "StageCounts",
     "Study",

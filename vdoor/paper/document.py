@@ -11,8 +11,8 @@ from vdoor.paper.apartments import Study
 from vdoor.paper.claims import claims
 from vdoor.paper.doors_counted import DoorCount, Share
 from vdoor.paper.everything import Evidence
+from vdoor.paper.figures import SubCaseResult
 from vdoor.paper.search_claims import SearchClaims
-from vdoor.paper.sub_cases import Shown
 from vdoor.paper.table_one import Row
 from vdoor.paper.tables import COVERAGE
 
@@ -53,7 +53,7 @@ def to_json(evidence: Evidence) -> str:
     return _text(document(evidence), 0)
 
 
-def _case(shown: Shown) -> dict[str, Any]:
+def _case(shown: SubCaseResult) -> dict[str, Any]:
     undone = dataclasses.asdict(shown.undone) if shown.undone else None
     return {
         "part": shown.case.part,

@@ -5,10 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from vdoor.paper.apartments import Study, Told, apartments, nobody
-from vdoor.paper.genetic_operators import Operation, Rates, crossover, measured_rates, mutation
+from vdoor.paper.figures import Operation, OperatorRates, SubCaseResult, crossover, measured_rates, mutation, sub_cases
 from vdoor.paper.search_claims import SearchClaims, search_claims
 from vdoor.paper.slips import Slip, Unprinted, slips, unprinted
-from vdoor.paper.sub_cases import Shown, sub_cases
 from vdoor.paper.table_one import Row, table_one
 from vdoor.paper.walkthrough import WalkThrough, figure_5_run, walk_through
 
@@ -30,10 +29,10 @@ class Evidence:
     """What came out."""
 
     size: Size
-    figure_3: tuple[Shown, ...]
+    figure_3: tuple[SubCaseResult, ...]
     figure_4: tuple[Operation, Operation]
     """Crossover and mutation."""
-    rates: Rates
+    rates: OperatorRates
     figure_5: WalkThrough
     search: SearchClaims
     table_1: tuple[tuple[Row, ...], tuple[Row, ...]]

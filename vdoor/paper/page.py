@@ -10,9 +10,9 @@ from vdoor.paper.apartments import FIRST_SEED
 from vdoor.paper.claims import claims
 from vdoor.paper.doors_counted import CALLED, MATCHED_WITHIN_M, PROPOSED, DoorCount
 from vdoor.paper.everything import Evidence, Size
+from vdoor.paper.figures import SubCaseResult
 from vdoor.paper.pictures import FIGURE_5, SEARCH, TABLE_1, picture_of
 from vdoor.paper.runs import Run
-from vdoor.paper.sub_cases import Shown
 from vdoor.paper.tables import NEAR, all_tables, met
 
 PAGE = Template("""\
@@ -183,7 +183,7 @@ def _together(evidence: Evidence) -> str:
     )
 
 
-def _case(shown: Shown) -> str:
+def _case(shown: SubCaseResult) -> str:
     case = shown.case
     return f"**{case.part}, {case.name}:** {case.claim}.\n\n![{case.name}]({picture_of(case)})"
 

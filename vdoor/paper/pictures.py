@@ -10,17 +10,16 @@ import numpy as np
 from vdoor.paper import pictures_ as draw
 from vdoor.paper.doors_counted import CALLED, detected, methods_for, real_lines_m
 from vdoor.paper.everything import Evidence
-from vdoor.paper.runs import case_name
-from vdoor.paper.sub_cases import SUB_CASES, SubCase
+from vdoor.paper.figures import SUB_CASES, SubCase
 from vdoor.paper.table_one import ENVIRONMENTS, Environment
-from vdoor.paper.walkthrough import figure_5_run, paper_pipeline, run_method
+from vdoor.paper.walkthrough import figure_5_run, run_method
 
 FIGURE_5, SEARCH, TABLE_1 = "figure_5.png", "search.png", "table_1.png"
 
 
 def picture_of(case: SubCase) -> str:
     """The name of a sub-case's picture."""
-    return f"{case_name(case.part)}.png"
+    return f"{case.file_stem}.png"
 
 
 NAMES = (*map(picture_of, SUB_CASES), FIGURE_5, SEARCH, TABLE_1)
@@ -38,9 +37,8 @@ def pictures(evidence: Evidence) -> Iterator[tuple[str, bytes]]:
 
 
 def _sub_case(case: SubCase) -> bytes:
-    after = before = run_method(case.grid)
-    if case.undone:
-        before = run_method(case.grid, dataclasses.replace(paper_pipeline(), simplify=case.undone))
+    after = run_method(case.grid)
+    before = run_method(case.grid, case.pipeline_undone) if case.pipeline_undone else after
     return draw.sub_case(case.part, before.records, after.records)
 
 

@@ -15,7 +15,7 @@ from vdoor.emit import Recorder, RunInfo
 from vdoor.grid import OccupancyGrid
 from vdoor.outputs import Outputs, opened
 from vdoor.paper.doors_counted import CALLED, PROPOSED, methods_for
-from vdoor.paper.sub_cases import SUB_CASES
+from vdoor.paper.figures import SUB_CASES
 from vdoor.paper.table_one import ENVIRONMENTS
 from vdoor.paper.walkthrough import figure_5_map, paper_pipeline
 from vdoor.pipeline import METHODS, PRESETS, AnyPipeline
@@ -56,18 +56,12 @@ def runs(seed: int) -> Iterator[Run]:
         yield from _of_table(seed, furniture=furniture)
 
 
-def case_name(part: str) -> str:
-    """What the files of a part of figure 3 are called: ``3c, 3d`` is ``figure_3cd``."""
-    return f"figure_{part.replace(', 3', '')}"
-
-
 def _of_sub_cases() -> Iterator[Run]:
     for case in SUB_CASES:
-        yield Run(case_name(case.part), f"Fig. {case.part}, {case.name}", case.grid, paper_pipeline())
-        if case.undone:
-            undone = dataclasses.replace(paper_pipeline(), simplify=case.undone)
+        yield Run(case.file_stem, f"Fig. {case.part}, {case.name}", case.grid, paper_pipeline())
+        if case.pipeline_undone:
             what = f"Fig. {case.part}, without that step"
-            yield Run(f"{case_name(case.part)}_undone", what, case.grid, undone)
+            yield Run(f"{case.file_stem}_undone", what, case.grid, case.pipeline_undone)
 
 
 def _of_table(seed: int, *, furniture: bool) -> Iterator[Run]:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from vdoor.paper.claims import KINDS, claims
 from vdoor.paper.door_tables import ISLANDS, apartments_table, table_1
 from vdoor.paper.everything import Evidence
+from vdoor.paper.figures import SubCaseResult
 from vdoor.paper.search_tables import hits_table, search_table
-from vdoor.paper.sub_cases import Shown
 from vdoor.paper.table import Table
 
 NEAR = 0.2
@@ -63,7 +63,7 @@ def figure_3(evidence: Evidence) -> Table:
 CASE_NOTES = ("Candidates and corners: concave + convex. Virtual doors: between pairs + at single corners.",)
 
 
-def _case(shown: Shown) -> tuple[str, ...]:
+def _case(shown: SubCaseResult) -> tuple[str, ...]:
     counts = shown.counts
     return (
         shown.case.part,
