@@ -18,26 +18,23 @@ from vdoor.method.final_map import MergeRooms
 from vdoor.method.search.costs import MapCost
 from vdoor.method.search.optimisers import GeneticSearch
 from vdoor.method.search.problem import MergeProblem
-from vdoor.paper import (
+from vdoor.paper.claims import claims
+from vdoor.paper.door_counts import (
     ENVIRONMENTS,
     METHODS,
     PRINTED,
-    SUB_CASES,
     DoorCount,
-    Operation,
-    apartments,
-    crossover,
-    measured_rates,
-    mutation,
-    run_method,
-    sub_cases,
+    Environment,
+    Share,
+    count_by_method,
+    count_doors,
+    methods_for,
+    study_apartments,
     table_one,
-    walk_through,
+    virtual_doors_m,
 )
-from vdoor.paper.claims import claims
-from vdoor.paper.doors_counted import Share, counted, counted_all, lines_m, methods_for
 from vdoor.paper.everything import Size, gathered
-from vdoor.paper.figures import run_sub_case
+from vdoor.paper.figures import SUB_CASES, Operation, crossover, measured_rates, mutation, run_sub_case, sub_cases
 from vdoor.paper.search_claims import (
     POPULATION,
     PRINTED_EDGES,
@@ -46,8 +43,7 @@ from vdoor.paper.search_claims import (
     log2_load,
     search_claims,
 )
-from vdoor.paper.table_one import Environment
-from vdoor.paper.walkthrough import figure_5_run
+from vdoor.paper.walkthrough import figure_5_run, run_method, walk_through
 from vdoor.synth import PRESETS as KINDS
 from vdoor.synth import synthesize
 
@@ -203,23 +199,23 @@ def test_furniture_changes_no_door_of_an_environment() -> None:
 
 @pytest.mark.parametrize("furniture", [False, True], ids=["empty", "furnished"])
 def test_over_apartments_the_proposed_method_is_above_both_stand_ins(*, furniture: bool) -> None:
-    study = apartments(30, furniture=furniture)
+    study = study_apartments(30, furniture=furniture)
     proposed = study.doors["proposed"]
     assert proposed.found.value >= 0.98
     assert proposed.accuracy.value >= 0.95
     for name in set(METHODS) - {"proposed"}:
         assert study.doors[name].accuracy.value < proposed.accuracy.value
         assert study.doors[name].found.value <= proposed.found.value
-        assert study.complete[name].part < study.complete["proposed"].part
+        assert study.without_error[name].part < study.without_error["proposed"].part
 
 
 def test_a_study_is_the_sum_of_its_apartments() -> None:
-    study = apartments(2, furniture=True)
+    study = study_apartments(2, furniture=True)
     kind = dataclasses.replace(KINDS["paper"], furniture=True)
     made = [synthesize(dataclasses.replace(kind, rooms=4 + at), np.random.default_rng(1000 + at)) for at in range(2)]
     for name, method in METHODS.items():
-        assert study.doors[name] == counted(made[0], method) + counted(made[1], method, seed=1)
-    assert apartments(2, furniture=True) == study
+        assert study.doors[name] == count_doors(made[0], method) + count_doors(made[1], method, seed=1)
+    assert study_apartments(2, furniture=True) == study
 
 
 @pytest.mark.parametrize(("part", "of"), [(0, 5), (5, 5), (3, 7), (772, 780)])
@@ -241,7 +237,7 @@ def test_where_islands_are_kept_nothing_is_taken_out_and_more_is_found_that_is_n
     islands_m = {name: method.simplify.max_island_m for name, method in methods_for(furnished).items()}
     assert islands_m == dict.fromkeys(METHODS, 1.0) | {"islands-kept": 0.0}
     found = table_one(furniture=True)[2].found
-    assert found["islands-kept"] == counted_all(furnished)["islands-kept"]
+    assert found["islands-kept"] == count_by_method(furnished)["islands-kept"]
     assert found["islands-kept"].virtual > found["proposed"].virtual
 
 
@@ -287,12 +283,12 @@ def test_a_door_between_more_than_two_rooms_is_counted_once() -> None:
     problem = MergeProblem(stage.initial, MapCost())
     found = MergeRooms()(grid, stage.simplified, stage.initial, everything_kept(problem), problem)
     ends = {(door.start_m, door.end_m) for door in found.doors}
-    assert len(lines_m(found)) < len(found.doors)
-    assert len(lines_m(found)) == len(ends)
+    assert len(virtual_doors_m(found)) < len(found.doors)
+    assert len(virtual_doors_m(found)) == len(ends)
     # doors that cross are two, though their middles are one
     assert len(ends) > len({tuple(np.add(*pair).round(6)) for pair in ends})
 
 
 def test_an_environment_without_a_door_is_counted_too() -> None:
     made = Environment(name="one room", rooms=1, doors=0, seed=0).made
-    assert counted(made, METHODS["proposed"]) == DoorCount(real=0, virtual=0, matched=0)
+    assert count_doors(made, METHODS["proposed"]) == DoorCount(real=0, virtual=0, matched=0)

@@ -18,8 +18,8 @@ from PIL import Image
 from vdoor.experiments.search_study import Graph
 from vdoor.method.corners import Candidates
 from vdoor.method.curvature import Curvature
-from vdoor.paper import DoorCount, Study, apartments, run_method
 from vdoor.paper.document import to_json
+from vdoor.paper.door_counts import ApartmentStudy, DoorCount, study_apartments
 from vdoor.paper.everything import Size, gathered
 from vdoor.paper.figures import SUB_CASES
 from vdoor.paper.folder import files
@@ -28,7 +28,7 @@ from vdoor.paper.pictures import NAMES
 from vdoor.paper.runs import runs
 from vdoor.paper.slips import arctan_wrong
 from vdoor.paper.table import Table
-from vdoor.paper.walkthrough import figure_5_map
+from vdoor.paper.walkthrough import figure_5_map, run_method
 from vdoor.pipeline import RECORDS, recorded
 from vdoor.recording.mcap import read_recording
 
@@ -72,13 +72,13 @@ def stored_numbers() -> Any:
     return json.loads((STORED / "numbers.json").read_text())
 
 
-def study_of(stored: Any) -> Study:
+def study_of(stored: Any) -> ApartmentStudy:
     """The study that a document tells of, from its counts of each apartment alone."""
     each = [
         {name: DoorCount(real=real, virtual=virtual, matched=matched) for name, (real, virtual, matched) in row}
         for row in ([(name, stored["each"][name][at]) for name in stored["doors"]] for at in range(APARTMENTS))
     ]
-    return Study(furniture=stored["furniture"], cell_m=stored["cell_m"], each=tuple(each))
+    return ApartmentStudy(furniture=stored["furniture"], cell_m=stored["cell_m"], each=tuple(each))
 
 
 def alike(found: Any, wanted: Any) -> bool:
@@ -108,7 +108,7 @@ def test_the_stored_numbers_are_those_that_the_command_finds(made: Made) -> None
 @pytest.mark.parametrize("furniture", [False, True], ids=["empty", "furnished"])
 def test_the_stored_apartments_are_found_again(*, furniture: bool) -> None:
     each = stored_numbers()["apartments"][furniture]["each"]
-    for number, found in enumerate(apartments(5, furniture=furniture).each):
+    for number, found in enumerate(study_apartments(5, furniture=furniture).each):
         for name, count in found.items():
             assert [count.real, count.virtual, count.matched] == each[name][number], (number, name)
 

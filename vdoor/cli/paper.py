@@ -44,7 +44,7 @@ def paper(
     told = _nothing if quiet else say
     evidence = gathered(Size(apartments=apartments, graphs=graphs, seed=seed), told)
     if out is not None:
-        folder.write(evidence, out, rrd=rrd, told=told)
+        folder.write(evidence, out, rrd=rrd, progress=told)
     print(document.to_json(evidence) if as_json else tables.to_text(evidence))
     raise typer.Exit(int(not all(claim.holds for claim in claims(evidence))))
 

@@ -5,10 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
-from vdoor.paper.apartments import Study
-from vdoor.paper.doors_counted import METHODS, PROPOSED, DoorCount
+from vdoor.paper.door_counts import METHODS, PROPOSED, ApartmentStudy, DoorCount, TableRow
 from vdoor.paper.everything import Evidence
-from vdoor.paper.table_one import Row
 
 LEAST_FOUND, LEAST_ACCURACY = 0.98, 0.95
 LEAST_HITS = 0.9
@@ -71,7 +69,7 @@ def _of_searches(evidence: Evidence) -> Iterator[Claim]:
     )
 
 
-def _of_cases(rows: Iterable[Row], kind: str) -> Iterator[Claim]:
+def _of_cases(rows: Iterable[TableRow], kind: str) -> Iterator[Claim]:
     for row in rows:
         ours, printed = row.found[PROPOSED], row.printed[PROPOSED]
         least = round(printed.accuracy.value, 2)
@@ -84,7 +82,7 @@ def _of_cases(rows: Iterable[Row], kind: str) -> Iterator[Claim]:
         )
 
 
-def _together(rows: Iterable[Row]) -> Claim:
+def _together(rows: Iterable[TableRow]) -> Claim:
     total = {name: sum((row.found[name] for row in rows), DoorCount()).accuracy.value for name in METHODS}
     return Claim(
         what="Table I, furnished, the three together: more accurate than both stand-ins",
@@ -94,7 +92,7 @@ def _together(rows: Iterable[Row]) -> Claim:
     )
 
 
-def _of_study(study: Study) -> Iterator[Claim]:
+def _of_study(study: ApartmentStudy) -> Iterator[Claim]:
     ours = study.doors[PROPOSED]
     accuracy = ours.accuracy.value
     best = max(study.doors[name].accuracy.value for name in STAND_INS)

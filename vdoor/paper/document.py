@@ -7,13 +7,11 @@ import json
 import math
 from typing import Any
 
-from vdoor.paper.apartments import Study
 from vdoor.paper.claims import claims
-from vdoor.paper.doors_counted import DoorCount, Share
+from vdoor.paper.door_counts import ApartmentStudy, DoorCount, Share, TableRow
 from vdoor.paper.everything import Evidence
 from vdoor.paper.figures import SubCaseResult
 from vdoor.paper.search_claims import SearchClaims
-from vdoor.paper.table_one import Row
 from vdoor.paper.tables import COVERAGE
 
 SCHEMA = 1
@@ -79,7 +77,7 @@ def _search(search: SearchClaims) -> dict[str, Any]:
     }
 
 
-def _row(row: Row) -> dict[str, Any]:
+def _row(row: TableRow) -> dict[str, Any]:
     return {
         "environment": dataclasses.asdict(row.environment),
         "printed": {name: _count(count) for name, count in row.printed.items()},
@@ -87,12 +85,12 @@ def _row(row: Row) -> dict[str, Any]:
     }
 
 
-def _study(study: Study) -> dict[str, Any]:
+def _study(study: ApartmentStudy) -> dict[str, Any]:
     return {
         "furniture": study.furniture,
         "cell_m": study.cell_m,
         "doors": {name: _count(count) for name, count in study.doors.items()},
-        "without_error": {name: _share(share) for name, share in study.complete.items()},
+        "without_error": {name: _share(share) for name, share in study.without_error.items()},
         "each": {
             "columns": ["real", "virtual", "matched"],
             **{name: [list(dataclasses.astuple(found[name])) for found in study.each] for name in study.each[0]},

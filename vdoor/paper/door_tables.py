@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from vdoor.paper.claims import KINDS
-from vdoor.paper.doors_counted import CALLED, ISLANDS_UP_TO_M, PROPOSED, DoorCount
+from vdoor.paper.door_counts import ISLANDS_UP_TO_M, METHOD_TITLES, PROPOSED, DoorCount, TableRow
 from vdoor.paper.everything import Evidence
 from vdoor.paper.table import Table, with_interval
-from vdoor.paper.table_one import Row
 
 ISLANDS = (
     f"With furniture, every method first takes out what stands free and is at most {ISLANDS_UP_TO_M:g} m long "
@@ -16,7 +15,7 @@ ISLANDS = (
 )
 
 
-def table_1(rows: Iterable[Row], kind: str) -> Table:
+def table_1(rows: Iterable[TableRow], kind: str) -> Table:
     """Table I on the three environments, empty or furnished."""
     rows = tuple(rows)
     cells = [
@@ -30,7 +29,7 @@ def table_1(rows: Iterable[Row], kind: str) -> Table:
         title=f"Table I, {kind}: matched / virtual doors = accuracy",
         head=(
             "environment", "real doors", "existing [8], printed", "proposed, printed",
-            *(f"{CALLED[name]}, here" for name in rows[0].found),
+            *(f"{METHOD_TITLES[name]}, here" for name in rows[0].found),
         ),
         rows=(*cells, total),
         notes=(ISLANDS,) if kind == KINDS[1] else (),
@@ -50,11 +49,11 @@ def apartments_table(evidence: Evidence) -> Table:
     rows = []
     for study in evidence.studies:
         for name, count in study.doors.items():
-            complete = study.complete[name]
+            complete = study.without_error[name]
             rows.append(
                 (
                     KINDS[study.furniture],
-                    CALLED[name],
+                    METHOD_TITLES[name],
                     str(count.real),
                     str(count.virtual),
                     str(count.matched),

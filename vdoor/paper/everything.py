@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from vdoor.paper.apartments import Study, Told, apartments, nobody
+from vdoor.paper.door_counts import ApartmentStudy, TableRow, study_apartments, table_one
 from vdoor.paper.figures import Operation, OperatorRates, SubCaseResult, crossover, measured_rates, mutation, sub_cases
 from vdoor.paper.search_claims import SearchClaims, search_claims
 from vdoor.paper.slips import Slip, Unprinted, slips, unprinted
-from vdoor.paper.table_one import Row, table_one
-from vdoor.paper.walkthrough import WalkThrough, figure_5_run, walk_through
+from vdoor.paper.walkthrough import Progress, WalkThrough, figure_5_run, no_progress, walk_through
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -35,16 +34,16 @@ class Evidence:
     rates: OperatorRates
     figure_5: WalkThrough
     search: SearchClaims
-    table_1: tuple[tuple[Row, ...], tuple[Row, ...]]
+    table_1: tuple[tuple[TableRow, ...], tuple[TableRow, ...]]
     """Empty and furnished."""
-    studies: tuple[Study, Study]
+    studies: tuple[ApartmentStudy, ApartmentStudy]
     """Likewise."""
     slips: tuple[Slip, ...]
     unprinted: tuple[Unprinted, ...]
 
 
-def gathered(size: Size, told: Told = nobody) -> Evidence:
-    """Everything, in about half a minute; `told` hears how far it is. Equal sizes give equal evidence."""
+def gathered(size: Size, progress: Progress = no_progress) -> Evidence:
+    """Everything, in about half a minute; `progress` hears how far it is. Equal sizes give equal evidence."""
     walk = figure_5_run(seed=size.seed)
     return Evidence(
         size=size,
@@ -52,11 +51,11 @@ def gathered(size: Size, told: Told = nobody) -> Evidence:
         figure_4=(crossover(), mutation()),
         rates=measured_rates(),
         figure_5=walk_through(walk),
-        search=search_claims(walk, graphs=size.graphs, told=told),
+        search=search_claims(walk, graphs=size.graphs, progress=progress),
         table_1=(table_one(furniture=False, seed=size.seed), table_one(furniture=True, seed=size.seed)),
         studies=(
-            apartments(size.apartments, seed=size.seed, told=told),
-            apartments(size.apartments, furniture=True, seed=size.seed, told=told),
+            study_apartments(size.apartments, seed=size.seed, progress=progress),
+            study_apartments(size.apartments, furniture=True, seed=size.seed, progress=progress),
         ),
         slips=slips(walk),
         unprinted=unprinted(),

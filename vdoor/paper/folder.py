@@ -5,12 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 
 from vdoor.files import make_folder, write_whole
-from vdoor.paper.apartments import Told, nobody
 from vdoor.paper.document import to_json
 from vdoor.paper.everything import Evidence
 from vdoor.paper.page import page
 from vdoor.paper.pictures import NAMES, pictures
 from vdoor.paper.runs import runs
+from vdoor.paper.walkthrough import Progress, no_progress
 
 PAGE, NUMBERS = "README.md", "numbers.json"
 
@@ -21,14 +21,14 @@ def files(folder: Path, *, rrd: bool) -> list[Path]:
     return [*recordings, *(folder / name for name in (*NAMES, NUMBERS, PAGE))]
 
 
-def write(evidence: Evidence, folder: Path, *, rrd: bool, told: Told = nobody) -> None:
+def write(evidence: Evidence, folder: Path, *, rrd: bool, progress: Progress = no_progress) -> None:
     """Write everything, each file under its name only when it is whole; `VdoorError` where that cannot be done."""
     make_folder(folder)
     recorded = list(runs(evidence.size.seed))
-    told(f"writing {len(recorded)} recordings")
+    progress(f"writing {len(recorded)} recordings")
     for run in recorded:
         run.record(folder, rrd=rrd)
-    told(f"drawing {len(NAMES)} pictures")
+    progress(f"drawing {len(NAMES)} pictures")
     for name, content in pictures(evidence):
         write_whole(folder / name, content)
     write_whole(folder / NUMBERS, f"{to_json(evidence)}\n".encode())

@@ -6,9 +6,8 @@ from collections.abc import Sequence
 from string import Template
 
 from vdoor.method.search.optimisers import ExhaustiveSearch
-from vdoor.paper.apartments import FIRST_SEED
 from vdoor.paper.claims import claims
-from vdoor.paper.doors_counted import CALLED, MATCHED_WITHIN_M, PROPOSED, DoorCount
+from vdoor.paper.door_counts import FIRST_SEED, MATCHED_WITHIN_M, METHOD_TITLES, PROPOSED, DoorCount
 from vdoor.paper.everything import Evidence, Size
 from vdoor.paper.figures import SubCaseResult
 from vdoor.paper.pictures import FIGURE_5, SEARCH, TABLE_1, picture_of
@@ -176,7 +175,7 @@ def _together(evidence: Evidence) -> str:
     printed = {name: sum((row.printed[name] for row in rows), DoorCount()) for name in rows[0].printed}
     found = {name: sum((row.found[name] for row in rows), DoorCount()) for name in rows[0].found}
     existing, proposed = (printed[name].accuracy.value for name in ("existing", PROPOSED))
-    here = ", ".join(f"{count.accuracy.value:.2f} for {CALLED[name]}" for name, count in found.items())
+    here = ", ".join(f"{count.accuracy.value:.2f} for {METHOD_TITLES[name]}" for name, count in found.items())
     return (
         f"Furnished, the three together, matched / virtual is {here}; in print {existing:.2f} for the existing "
         f"algorithm and {proposed:.2f} for the proposed one."

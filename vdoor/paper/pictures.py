@@ -8,10 +8,9 @@ from collections.abc import Iterator
 import numpy as np
 
 from vdoor.paper import pictures_ as draw
-from vdoor.paper.doors_counted import CALLED, detected, methods_for, real_lines_m
+from vdoor.paper.door_counts import ENVIRONMENTS, METHOD_TITLES, Environment, detect_doors, methods_for, real_doors_m
 from vdoor.paper.everything import Evidence
 from vdoor.paper.figures import SUB_CASES, SubCase
-from vdoor.paper.table_one import ENVIRONMENTS, Environment
 from vdoor.paper.walkthrough import figure_5_run, run_method
 
 FIGURE_5, SEARCH, TABLE_1 = "figure_5.png", "search.png", "table_1.png"
@@ -53,8 +52,8 @@ def _compared(environment: Environment, seed: int) -> draw.Compared:
     made = dataclasses.replace(environment, furniture=True).made
     found = {}
     for name, method in methods_for(made).items():
-        detection = detected(made, method, seed=seed)
+        detection = detect_doors(made, method, seed=seed)
         real = np.zeros(len(detection.virtual_m), np.bool_)
         real[[virtual for _, virtual in detection.pairs]] = True
-        found[CALLED[name]] = (detection.virtual_m, real)
-    return draw.Compared(environment.name, made.grid, real_lines_m(made), found)
+        found[METHOD_TITLES[name]] = (detection.virtual_m, real)
+    return draw.Compared(environment.name, made.grid, real_doors_m(made), found)

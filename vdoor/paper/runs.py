@@ -14,9 +14,8 @@ from vdoor.config import settings_of
 from vdoor.emit import Recorder, RunInfo
 from vdoor.grid import OccupancyGrid
 from vdoor.outputs import Outputs, opened
-from vdoor.paper.doors_counted import CALLED, PROPOSED, methods_for
+from vdoor.paper.door_counts import ENVIRONMENTS, METHOD_TITLES, PROPOSED, methods_for
 from vdoor.paper.figures import SUB_CASES
-from vdoor.paper.table_one import ENVIRONMENTS
 from vdoor.paper.walkthrough import figure_5_map, paper_pipeline
 from vdoor.pipeline import METHODS, PRESETS, AnyPipeline
 
@@ -72,5 +71,5 @@ def _of_table(seed: int, *, furniture: bool) -> Iterator[Run]:
         for name, method in methods_for(made).items():
             if furniture or name == PROPOSED:
                 stem = f"{environment.name} {kind} {name}".replace(" ", "_").replace("-", "_")
-                what = f"Table I, {environment.name}, {kind}: {CALLED[name]}"
+                what = f"Table I, {environment.name}, {kind}: {METHOD_TITLES[name]}"
                 yield Run(stem, what, made.grid, method, name if name in PRESETS else "paper", seed)

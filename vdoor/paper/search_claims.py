@@ -12,9 +12,8 @@ from vdoor.method.initial_map import InitialMap
 from vdoor.method.search.generation import Generation
 from vdoor.method.search.optimisers import ExhaustiveSearch
 from vdoor.method.search.problem import MergeProblem
-from vdoor.paper.apartments import Told, nobody
-from vdoor.paper.doors_counted import Share
-from vdoor.paper.walkthrough import MethodRun, paper_pipeline
+from vdoor.paper.door_counts import Share
+from vdoor.paper.walkthrough import MethodRun, Progress, no_progress, paper_pipeline
 
 SAME_COST = 1e-9
 SEEDS = 200
@@ -98,13 +97,13 @@ def log2_load(evaluations: int, edges: int) -> float:
     return math.log2(evaluations) - edges
 
 
-def search_claims(walk: MethodRun, *, graphs: int = 60, told: Told = nobody) -> SearchClaims:
+def search_claims(walk: MethodRun, *, graphs: int = 60, progress: Progress = no_progress) -> SearchClaims:
     """What section III claims, on the run walked through and on `graphs` maps with 1 to 20 virtual doors."""
     problem = MergeProblem(walk.get(InitialMap), paper_pipeline().cost)
     tried = list(ExhaustiveSearch()(problem, np.random.default_rng()))
-    told(f"searching the walk-through's map {SEEDS} times")
+    progress(f"searching the walk-through's map {SEEDS} times")
     reached = tuple(first_hit(paper_pipeline(), problem, tried[-1].best_cost, seed) for seed in range(SEEDS))
-    told(f"searching {graphs} maps {SEARCHES} times each")
+    progress(f"searching {graphs} maps {SEARCHES} times each")
     return SearchClaims(
         edges=problem.edges,
         courses=tuple(map(_course, walk.generations)),

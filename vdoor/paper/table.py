@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from vdoor.paper.doors_counted import Share
+from vdoor.paper.door_counts import Share
 
 NUMBER = re.compile(r"[-+]?[\d,.]+( %)?|-|")
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any, TypeVar
 
@@ -24,6 +24,8 @@ from vdoor.synth import Apartment, SyntheticMap, synthesize
 from vdoor.topology import KINDS, TopologicalMap
 
 R = TypeVar("R", bound=Record)
+Progress = Callable[[str], None]
+"""Takes a line about how far a long computation is."""
 
 SAME_COST = 1e-9
 """Costs that differ by less are equal."""
@@ -144,6 +146,10 @@ def run_method(grid: OccupancyGrid, pipeline: Pipeline | None = None, *, seed: i
     run = MethodRun()
     (pipeline or paper_pipeline())(grid, np.random.default_rng(seed), run)
     return run
+
+
+def no_progress(_: str) -> None:
+    """Report nothing."""
 
 
 def paper_apartment(seed: int, **settings: Any) -> SyntheticMap:
