@@ -35,15 +35,13 @@ from vdoor.paper.door_counts import (
 )
 from vdoor.paper.everything import Size, gathered
 from vdoor.paper.figures import SUB_CASES, Operation, crossover, measured_rates, mutation, run_sub_case, sub_cases
-from vdoor.paper.search_claims import (
+from vdoor.paper.search import (
     POPULATION,
-    PRINTED_EDGES,
-    PRINTED_GENERATION,
     PRINTED_LOG2_LOAD,
     log2_load,
-    search_claims,
+    study_search,
 )
-from vdoor.paper.walkthrough import figure_5_run, run_method, walk_through
+from vdoor.paper.walkthrough import PRINTED_EDGES, PRINTED_GENERATION, figure_5_run, run_method, walk_through
 from vdoor.synth import PRESETS as KINDS
 from vdoor.synth import synthesize
 
@@ -133,7 +131,7 @@ def test_the_walk_through_ends_as_the_paper_does_and_the_search_finds_the_proven
     ours = {line.what: line.ours for line in walk_through(walk).lines}
     assert ours["nodes of the final map"] == 4
     assert ours["edges of the final map"] == 3
-    found = search_claims(walk, graphs=1)
+    found = study_search(walk, graphs=1)
     assert found.proven
     assert found.search_space == 2 ** ours["edges of the initial map"]
     assert found.evaluations < found.search_space / 10
@@ -243,7 +241,7 @@ def test_where_islands_are_kept_nothing_is_taken_out_and_more_is_found_that_is_n
 
 def test_section_3_is_told_by_the_searches_themselves() -> None:
     walk = figure_5_run(seed=5)
-    found = search_claims(walk, graphs=2)
+    found = study_search(walk, graphs=2)
     assert found.reached[5] == walk.counts.best_generation == found.best_generation
     assert found.evaluations == 50 * (walk.counts.best_generation + 1)
     assert found.all_evaluations == 50 * 51

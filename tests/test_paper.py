@@ -20,13 +20,13 @@ from vdoor.method.corners import Candidates
 from vdoor.method.curvature import Curvature
 from vdoor.paper.document import to_json
 from vdoor.paper.door_counts import ApartmentStudy, DoorCount, study_apartments
+from vdoor.paper.errata import arctan_mistakes
 from vdoor.paper.everything import Size, gathered
 from vdoor.paper.figures import SUB_CASES
 from vdoor.paper.folder import files
 from vdoor.paper.page import page
 from vdoor.paper.pictures import NAMES
 from vdoor.paper.runs import runs
-from vdoor.paper.slips import arctan_wrong
 from vdoor.paper.table import Table
 from vdoor.paper.walkthrough import figure_5_map, run_method
 from vdoor.pipeline import RECORDS, recorded
@@ -242,7 +242,7 @@ def test_the_share_that_the_printed_arctan_mistakes_is_counted_right() -> None:
     candidates, curvature = walk.get(Candidates), walk.get(Curvature)
     alphas = [alpha_deg(curvature.forward, at) - alpha_deg(curvature.backward, at) for at in candidates.sample.tolist()]
     convex = np.array([alpha >= 180 or -180 <= alpha < 0 for alpha in alphas])
-    assert arctan_wrong(walk) == (int((convex != candidates.convex).sum()), len(alphas))
+    assert arctan_mistakes(walk) == (int((convex != candidates.convex).sum()), len(alphas))
 
 
 def test_true_corners_obey_the_law_of_islands() -> None:

@@ -11,7 +11,7 @@ from vdoor.paper.claims import claims
 from vdoor.paper.door_counts import ApartmentStudy, DoorCount, Share, TableRow
 from vdoor.paper.everything import Evidence
 from vdoor.paper.figures import SubCaseResult
-from vdoor.paper.search_claims import SearchClaims
+from vdoor.paper.search import SearchStudy
 from vdoor.paper.tables import COVERAGE
 
 SCHEMA = 1
@@ -39,7 +39,7 @@ def document(evidence: Evidence) -> dict[str, Any]:
         "table_1": {"empty": [_row(row) for row in empty], "furnished": [_row(row) for row in furnished]},
         "apartments": [_study(study) for study in evidence.studies],
         "coverage": COVERAGE,
-        "slips": [dataclasses.asdict(slip) for slip in evidence.slips],
+        "slips": [dataclasses.asdict(erratum) for erratum in evidence.errata],
         "unprinted": [dataclasses.asdict(one) for one in evidence.unprinted],
     }
     rounded: dict[str, Any] = _rounded(found)
@@ -64,7 +64,7 @@ def _case(shown: SubCaseResult) -> dict[str, Any]:
     }
 
 
-def _search(search: SearchClaims) -> dict[str, Any]:
+def _search(search: SearchStudy) -> dict[str, Any]:
     groups = {
         f"{low} to {high}": {"maps": graphs, **_share(share)} for (low, high), (graphs, share) in search.groups.items()
     }

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from vdoor.paper.door_counts import ApartmentStudy, TableRow, study_apartments, table_one
+from vdoor.paper.errata import Erratum, Unprinted, errata, unprinted
 from vdoor.paper.figures import Operation, OperatorRates, SubCaseResult, crossover, measured_rates, mutation, sub_cases
-from vdoor.paper.search_claims import SearchClaims, search_claims
-from vdoor.paper.slips import Slip, Unprinted, slips, unprinted
+from vdoor.paper.search import SearchStudy, study_search
 from vdoor.paper.walkthrough import Progress, WalkThrough, figure_5_run, no_progress, walk_through
 
 
@@ -33,12 +33,12 @@ class Evidence:
     """Crossover and mutation."""
     rates: OperatorRates
     figure_5: WalkThrough
-    search: SearchClaims
+    search: SearchStudy
     table_1: tuple[tuple[TableRow, ...], tuple[TableRow, ...]]
     """Empty and furnished."""
     studies: tuple[ApartmentStudy, ApartmentStudy]
     """Likewise."""
-    slips: tuple[Slip, ...]
+    errata: tuple[Erratum, ...]
     unprinted: tuple[Unprinted, ...]
 
 
@@ -51,12 +51,12 @@ def gathered(size: Size, progress: Progress = no_progress) -> Evidence:
         figure_4=(crossover(), mutation()),
         rates=measured_rates(),
         figure_5=walk_through(walk),
-        search=search_claims(walk, graphs=size.graphs, progress=progress),
+        search=study_search(walk, graphs=size.graphs, progress=progress),
         table_1=(table_one(furniture=False, seed=size.seed), table_one(furniture=True, seed=size.seed)),
         studies=(
             study_apartments(size.apartments, seed=size.seed, progress=progress),
             study_apartments(size.apartments, furniture=True, seed=size.seed, progress=progress),
         ),
-        slips=slips(walk),
+        errata=errata(walk),
         unprinted=unprinted(),
     )

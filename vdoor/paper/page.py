@@ -101,7 +101,7 @@ $coverage
 
 ## What cannot be taken by the letter
 
-$slips
+$errata
 
 ## What is not printed
 

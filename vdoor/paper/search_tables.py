@@ -5,23 +5,22 @@ from __future__ import annotations
 import statistics
 from collections.abc import Iterator
 
-from vdoor.paper.search_claims import (
+from vdoor.paper.search import (
     EXAMPLE,
     EXAMPLE_EDGES,
     EXAMPLE_STRINGS,
     GENERATIONS,
     POPULATION,
-    PRINTED_EDGES,
-    PRINTED_GENERATION,
     PRINTED_LOG2_LOAD,
     SEARCHES,
-    SearchClaims,
+    SearchStudy,
     log2_load,
 )
 from vdoor.paper.table import Table, with_interval
+from vdoor.paper.walkthrough import PRINTED_EDGES, PRINTED_GENERATION
 
 
-def search_table(search: SearchClaims) -> Table:
+def search_table(search: SearchStudy) -> Table:
     """Section III's claims about the walk-through."""
     return Table(
         title="Section III: the search",
@@ -30,7 +29,7 @@ def search_table(search: SearchClaims) -> Table:
     )
 
 
-def _load_rows(search: SearchClaims) -> Iterator[tuple[str, str, str]]:
+def _load_rows(search: SearchStudy) -> Iterator[tuple[str, str, str]]:
     """How much is evaluated of how much."""
     printed = POPULATION * PRINTED_GENERATION
     meant = f"1/2^{-log2_load(printed, PRINTED_EDGES):.1f}"
@@ -48,7 +47,7 @@ def _load_rows(search: SearchClaims) -> Iterator[tuple[str, str, str]]:
     yield f"as a share of the choices of {EXAMPLE_EDGES} doors", f"{EXAMPLE} of 2^{EXAMPLE_EDGES}: {meant}", now
 
 
-def _optimum_rows(search: SearchClaims) -> Iterator[tuple[str, str, str]]:
+def _optimum_rows(search: SearchStudy) -> Iterator[tuple[str, str, str]]:
     """Whether it is the optimum, and whether it is always found."""
     reached = search.reached_in
     in_time = sum(generation <= PRINTED_GENERATION for generation in reached)
@@ -65,12 +64,12 @@ def _optimum_rows(search: SearchClaims) -> Iterator[tuple[str, str, str]]:
     yield "generation in which they do: first, median, last", "", spread
 
 
-def _blind(search: SearchClaims) -> float:
+def _blind(search: SearchStudy) -> float:
     """Chance that at least one of as many random choices is optimal."""
     return 1 - (1 - search.optimal_choices / search.search_space) ** search.evaluations
 
 
-def hits_table(search: SearchClaims) -> Table:
+def hits_table(search: SearchStudy) -> Table:
     """How often the search reaches the proven optimum, by the number of virtual doors."""
     rows = [
         (f"{low} to {high}", str(graphs), f"{share.part:,} of {share.of:,}", with_interval(share))

@@ -12,7 +12,7 @@ from vdoor.paper.table import Table
 NEAR = 0.2
 """How far a count may be off, as a share of the printed one, and still be called near."""
 COVERAGE = "to be measured when coverage exists"
-SENTENCES = ("slips", "unprinted")
+SENTENCES = ("errata", "unprinted")
 
 
 def all_tables(evidence: Evidence) -> dict[str, Table]:
@@ -30,7 +30,7 @@ def all_tables(evidence: Evidence) -> dict[str, Table]:
         "table_1_furnished": table_1(furnished, KINDS[1]),
         "apartments": apartments_table(evidence),
         "coverage": coverage_table(),
-        "slips": slips_table(evidence),
+        "errata": errata_table(evidence),
         "unprinted": unprinted_table(evidence),
     }
 
@@ -141,12 +141,12 @@ def coverage_table() -> Table:
     )
 
 
-def slips_table(evidence: Evidence) -> Table:
+def errata_table(evidence: Evidence) -> Table:
     """Where the paper cannot be taken by the letter."""
     return Table(
         title="What cannot be taken by the letter",
         head=("where", "printed", "why not", "here"),
-        rows=tuple((slip.where, slip.printed, slip.trouble, slip.here) for slip in evidence.slips),
+        rows=tuple((erratum.where, erratum.printed, erratum.trouble, erratum.here) for erratum in evidence.errata),
     )
 
 

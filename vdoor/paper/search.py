@@ -1,4 +1,4 @@
-"""Section III: how much the search saves and whether it finds the optimum, against trying every choice."""
+"""Section III: how much the search saves, and whether it finds the optimum that trying every choice proves."""
 
 from __future__ import annotations
 
@@ -9,18 +9,17 @@ import numpy as np
 
 from vdoor.experiments.search_study import GROUPS, Graph, first_hit, hit_rates
 from vdoor.method.initial_map import InitialMap
-from vdoor.method.search.generation import Generation
 from vdoor.method.search.optimisers import ExhaustiveSearch
 from vdoor.method.search.problem import MergeProblem
 from vdoor.paper.door_counts import Share
-from vdoor.paper.walkthrough import MethodRun, Progress, no_progress, paper_pipeline
+from vdoor.paper.walkthrough import SAME_COST, MethodRun, Progress, first_at_best, no_progress, paper_pipeline
 
-SAME_COST = 1e-9
 SEEDS = 200
 """Searches of the walk-through's map."""
 SEARCHES = 50
 """Searches of each other map."""
-PRINTED_EDGES, PRINTED_GENERATION, POPULATION, GENERATIONS = 16, 9, 50, 50
+POPULATION, GENERATIONS = 50, 50
+"""As printed."""
 PRINTED_LOG2_LOAD = -9
 """The paper says that the load falls to about 1/2^9."""
 EXAMPLE, EXAMPLE_STRINGS, EXAMPLE_EDGES = "50 x 30", 50 * 30, 20
@@ -28,8 +27,8 @@ EXAMPLE, EXAMPLE_STRINGS, EXAMPLE_EDGES = "50 x 30", 50 * 30, 20
 
 
 @dataclass(frozen=True, kw_only=True)
-class Course:
-    """Costs of one generation."""
+class GenerationCosts:
+    """Costs of the strings of one generation."""
 
     generation: int
     best: float
@@ -38,33 +37,33 @@ class Course:
 
 
 @dataclass(frozen=True, kw_only=True)
-class SearchClaims:
+class SearchStudy:
     """The search of the walk-through, the same with other seeds, and searches of other maps."""
 
     edges: int
-    courses: tuple[Course, ...]
+    courses: tuple[GenerationCosts, ...]
+    """The walk-through's search, generation by generation."""
     optimum: float
     """Least cost of all choices, each of them tried."""
     optimal_choices: int
-    """How many have it."""
+    """How many choices have it."""
     evaluations: int
-    """Strings evaluated until the optimum was there, those of the first population with them."""
+    """Strings evaluated until the optimum was found, the first population included."""
     all_evaluations: int
     """In all generations."""
     reached: tuple[int | None, ...]
-    """For each seed, 0 and up, the generation in which the optimum was there."""
+    """For each seed, 0 and up, the generation that reached the optimum."""
     graphs: tuple[Graph, ...]
 
     @property
     def search_space(self) -> int:
-        """Choices there are."""
+        """Number of choices."""
         return int(2**self.edges)
 
     @property
     def best_generation(self) -> int:
-        """The first that had the best choice of the whole search."""
-        least = self.courses[-1].best + SAME_COST
-        return next(course.generation for course in self.courses if course.best <= least)
+        """The first generation with the least cost of the whole search."""
+        return self.courses[first_at_best([course.best for course in self.courses])].generation
 
     @property
     def proven(self) -> bool:
@@ -78,12 +77,12 @@ class SearchClaims:
 
     @property
     def reached_in(self) -> list[int]:
-        """Generations of those, sorted."""
+        """The generations that reached it, sorted."""
         return sorted(generation for generation in self.reached if generation is not None)
 
     @property
     def groups(self) -> dict[tuple[int, int], tuple[int, Share]]:
-        """By number of virtual doors from and to: how many maps, and the searches that reached their optimum."""
+        """By least and greatest number of virtual doors: number of maps, and searches that reached the optimum."""
         found = {}
         for low, high in GROUPS:
             group = [graph for graph in self.graphs if low <= graph.doors <= high]
@@ -92,40 +91,43 @@ class SearchClaims:
         return found
 
 
-def log2_load(evaluations: int, edges: int) -> float:
-    """Evaluations as a share of all choices, as a power of two."""
-    return math.log2(evaluations) - edges
-
-
-def search_claims(walk: MethodRun, *, graphs: int = 60, progress: Progress = no_progress) -> SearchClaims:
-    """What section III claims, on the run walked through and on `graphs` maps with 1 to 20 virtual doors."""
-    problem = MergeProblem(walk.get(InitialMap), paper_pipeline().cost)
-    tried = list(ExhaustiveSearch()(problem, np.random.default_rng()))
+def study_search(run: MethodRun, *, graphs: int = 60, progress: Progress = no_progress) -> SearchStudy:
+    """The search of a run held against the optimum, and searches of `graphs` maps with 1 to 20 virtual doors."""
+    problem = MergeProblem(run.get(InitialMap), paper_pipeline().cost)
+    optimum = list(ExhaustiveSearch()(problem, np.random.default_rng()))[-1].best_cost
     progress(f"searching the walk-through's map {SEEDS} times")
-    reached = tuple(first_hit(paper_pipeline(), problem, tried[-1].best_cost, seed) for seed in range(SEEDS))
+    reached = tuple(first_hit(paper_pipeline(), problem, optimum, seed) for seed in range(SEEDS))
     progress(f"searching {graphs} maps {SEARCHES} times each")
-    return SearchClaims(
+    return SearchStudy(
         edges=problem.edges,
-        courses=tuple(map(_course, walk.generations)),
-        optimum=tried[-1].best_cost,
-        optimal_choices=_optimal_choices(problem, tried[-1].best_cost),
-        evaluations=walk.counts.evaluations,
-        all_evaluations=walk.generations[-1].evaluations,
+        courses=_courses(run),
+        optimum=optimum,
+        optimal_choices=_optimal_choices(problem, optimum),
+        evaluations=run.counts.evaluations,
+        all_evaluations=run.generations[-1].evaluations,
         reached=reached,
         graphs=tuple(hit_rates(paper_pipeline(), graphs=graphs, seeds=SEARCHES)),
     )
 
 
-def _course(generation: Generation) -> Course:
-    return Course(
-        generation=generation.number,
-        best=generation.best_cost,
-        mean=generation.mean_cost,
-        worst=generation.worst_cost,
+def _courses(run: MethodRun) -> tuple[GenerationCosts, ...]:
+    return tuple(
+        GenerationCosts(
+            generation=generation.number,
+            best=generation.best_cost,
+            mean=generation.mean_cost,
+            worst=generation.worst_cost,
+        )
+        for generation in run.generations
     )
 
 
 def _optimal_choices(problem: MergeProblem, optimum: float) -> int:
-    """How many of all choices cost as little."""
+    """How many of all choices cost as little as the optimum."""
     every = np.arange(2**problem.edges)[:, None] >> np.arange(problem.edges) & 1
     return int((problem.evaluate(every.astype(np.bool_)).cost <= optimum + SAME_COST).sum())
+
+
+def log2_load(evaluations: int, edges: int) -> float:
+    """Evaluations as a share of all choices, as a power of two."""
+    return math.log2(evaluations) - edges
