@@ -18,7 +18,7 @@ from vdoor.method.final_map import MergeRooms
 from vdoor.method.search.costs import MapCost
 from vdoor.method.search.optimisers import GeneticSearch
 from vdoor.method.search.problem import MergeProblem
-from vdoor.paper.claims import claims
+from vdoor.paper.claims import Size, claims, gather_evidence
 from vdoor.paper.door_counts import (
     ENVIRONMENTS,
     METHODS,
@@ -33,7 +33,6 @@ from vdoor.paper.door_counts import (
     table_one,
     virtual_doors_m,
 )
-from vdoor.paper.everything import Size, gathered
 from vdoor.paper.figures import SUB_CASES, Operation, crossover, measured_rates, mutation, run_sub_case, sub_cases
 from vdoor.paper.search import (
     POPULATION,
@@ -256,7 +255,7 @@ def test_section_3_is_told_by_the_searches_themselves() -> None:
 
 
 def test_a_claim_that_fails_is_said_to() -> None:
-    evidence = gathered(Size(apartments=1, graphs=1))
+    evidence = gather_evidence(Size(apartments=1, graphs=1))
     assert all(claim.holds for claim in claims(evidence))
     missed = [{**evidence.studies[0].each[0], "proposed": DoorCount(real=4, virtual=5, matched=3)}]
     worse = dataclasses.replace(evidence.studies[0], each=tuple(missed))

@@ -18,10 +18,10 @@ from PIL import Image
 from vdoor.experiments.search_study import Graph
 from vdoor.method.corners import Candidates
 from vdoor.method.curvature import Curvature
+from vdoor.paper.claims import Size, gather_evidence
 from vdoor.paper.document import to_json
 from vdoor.paper.door_counts import ApartmentStudy, DoorCount, study_apartments
 from vdoor.paper.errata import arctan_mistakes
-from vdoor.paper.everything import Size, gathered
 from vdoor.paper.figures import SUB_CASES
 from vdoor.paper.folder import files
 from vdoor.paper.page import page
@@ -115,7 +115,7 @@ def test_the_stored_apartments_are_found_again(*, furniture: bool) -> None:
 
 def test_every_word_and_number_of_the_stored_page_follows_from_what_was_counted() -> None:
     """What depends on how many there are is counted from the stored lists, of which a part is found again above."""
-    stored, small = stored_numbers(), gathered(Size(apartments=1, graphs=1))
+    stored, small = stored_numbers(), gather_evidence(Size(apartments=1, graphs=1))
     evidence = dataclasses.replace(
         small,
         size=Size(**stored["size"]),
@@ -151,7 +151,7 @@ def test_equal_seeds_give_equal_bytes_and_other_seeds_do_not(made: Made, tmp_pat
     assert "vdoor" not in again.stderr
     for path in files(folder, rrd=False):
         assert path.read_bytes() == (tmp_path / path.name).read_bytes(), path.name
-    other = json.loads(to_json(gathered(Size(apartments=1, graphs=1, seed=1))))
+    other = json.loads(to_json(gather_evidence(Size(apartments=1, graphs=1, seed=1))))
     assert other["search"]["courses"] != json.loads(first.stdout)["search"]["courses"]
 
 

@@ -33,8 +33,7 @@ def paper(
         raise SettingError("--rrd: wanted a folder for the recordings as well, say --out paper")
     from vdoor.files import refuse_existing, refuse_folder
     from vdoor.paper import document, folder, tables
-    from vdoor.paper.claims import claims
-    from vdoor.paper.everything import Size, gathered
+    from vdoor.paper.claims import Size, claims, gather_evidence
     from vdoor.viz.matplot import require_matplotlib
 
     if out is not None:
@@ -42,7 +41,7 @@ def paper(
         refuse_folder(out)
         refuse_existing(folder.files(out, rrd=rrd), force=force)
     told = _nothing if quiet else say
-    evidence = gathered(Size(apartments=apartments, graphs=graphs, seed=seed), told)
+    evidence = gather_evidence(Size(apartments=apartments, graphs=graphs, seed=seed), told)
     if out is not None:
         folder.write(evidence, out, rrd=rrd, progress=told)
     print(document.to_json(evidence) if as_json else tables.to_text(evidence))

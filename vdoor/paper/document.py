@@ -7,9 +7,8 @@ import json
 import math
 from typing import Any
 
-from vdoor.paper.claims import claims
+from vdoor.paper.claims import Evidence, claims
 from vdoor.paper.door_counts import ApartmentStudy, DoorCount, Share, TableRow
-from vdoor.paper.everything import Evidence
 from vdoor.paper.figures import SubCaseResult
 from vdoor.paper.search import SearchStudy
 from vdoor.paper.tables import COVERAGE

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from vdoor.paper.claims import KINDS
-from vdoor.paper.door_counts import ISLANDS_UP_TO_M, METHOD_TITLES, PROPOSED, DoorCount, TableRow
-from vdoor.paper.everything import Evidence
+from vdoor.paper.claims import Evidence
+from vdoor.paper.door_counts import FURNISHING, ISLANDS_UP_TO_M, METHOD_TITLES, PROPOSED, DoorCount, TableRow
 from vdoor.paper.table import Table, with_interval
 
 ISLANDS = (
@@ -32,7 +31,7 @@ def table_1(rows: Iterable[TableRow], kind: str) -> Table:
             *(f"{METHOD_TITLES[name]}, here" for name in rows[0].found),
         ),
         rows=(*cells, total),
-        notes=(ISLANDS,) if kind == KINDS[1] else (),
+        notes=(ISLANDS,) if kind == FURNISHING[1] else (),
     )  # fmt: skip
 
 
@@ -52,7 +51,7 @@ def apartments_table(evidence: Evidence) -> Table:
             complete = study.without_error[name]
             rows.append(
                 (
-                    KINDS[study.furniture],
+                    FURNISHING[study.furniture],
                     METHOD_TITLES[name],
                     str(count.real),
                     str(count.virtual),

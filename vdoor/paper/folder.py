@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 from vdoor.files import make_folder, write_whole
+from vdoor.paper.claims import Evidence
 from vdoor.paper.document import to_json
-from vdoor.paper.everything import Evidence
 from vdoor.paper.page import page
 from vdoor.paper.pictures import NAMES, pictures
 from vdoor.paper.runs import runs

@@ -6,9 +6,8 @@ from collections.abc import Sequence
 from string import Template
 
 from vdoor.method.search.optimisers import ExhaustiveSearch
-from vdoor.paper.claims import claims
+from vdoor.paper.claims import Evidence, Size, claims
 from vdoor.paper.door_counts import FIRST_SEED, MATCHED_WITHIN_M, METHOD_TITLES, PROPOSED, DoorCount
-from vdoor.paper.everything import Evidence, Size
 from vdoor.paper.figures import SubCaseResult
 from vdoor.paper.pictures import FIGURE_5, SEARCH, TABLE_1, picture_of
 from vdoor.paper.runs import Run

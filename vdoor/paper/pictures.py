@@ -8,8 +8,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from vdoor.paper import pictures_ as draw
+from vdoor.paper.claims import Evidence
 from vdoor.paper.door_counts import ENVIRONMENTS, METHOD_TITLES, Environment, detect_doors, methods_for, real_doors_m
-from vdoor.paper.everything import Evidence
 from vdoor.paper.figures import SUB_CASES, SubCase
 from vdoor.paper.walkthrough import figure_5_run, run_method
 

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from vdoor.paper.claims import KINDS, claims
+from vdoor.paper.claims import Evidence, claims
+from vdoor.paper.door_counts import FURNISHING
 from vdoor.paper.door_tables import ISLANDS, apartments_table, table_1
-from vdoor.paper.everything import Evidence
 from vdoor.paper.figures import SubCaseResult
 from vdoor.paper.search_tables import hits_table, search_table
 from vdoor.paper.table import Table
@@ -26,8 +26,8 @@ def all_tables(evidence: Evidence) -> dict[str, Table]:
         "figure_5": figure_5(evidence),
         "search": search_table(evidence.search),
         "hits": hits_table(evidence.search),
-        "table_1_empty": table_1(empty, KINDS[0]),
-        "table_1_furnished": table_1(furnished, KINDS[1]),
+        "table_1_empty": table_1(empty, FURNISHING[0]),
+        "table_1_furnished": table_1(furnished, FURNISHING[1]),
         "apartments": apartments_table(evidence),
         "coverage": coverage_table(),
         "errata": errata_table(evidence),
