@@ -27,7 +27,7 @@ from vdoor.paper.folder import files
 from vdoor.paper.page import page
 from vdoor.paper.pictures import NAMES
 from vdoor.paper.runs import runs
-from vdoor.paper.table import Table
+from vdoor.paper.tables import Table
 from vdoor.paper.walkthrough import figure_5_map, run_method
 from vdoor.pipeline import RECORDS, recorded
 from vdoor.recording.mcap import read_recording
