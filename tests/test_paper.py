@@ -19,13 +19,11 @@ from vdoor.experiments.search_study import Graph
 from vdoor.method.corners import Candidates
 from vdoor.method.curvature import Curvature
 from vdoor.paper.claims import Size, gather_evidence
-from vdoor.paper.document import to_json
 from vdoor.paper.door_counts import ApartmentStudy, DoorCount, study_apartments
 from vdoor.paper.errata import arctan_mistakes
 from vdoor.paper.figures import SUB_CASES
-from vdoor.paper.folder import files
-from vdoor.paper.page import page
 from vdoor.paper.pictures import NAMES
+from vdoor.paper.report import files, page, to_json
 from vdoor.paper.runs import runs
 from vdoor.paper.tables import Table
 from vdoor.paper.walkthrough import figure_5_map, run_method
