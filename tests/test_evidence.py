@@ -34,12 +34,7 @@ from vdoor.paper.door_counts import (
     virtual_doors_m,
 )
 from vdoor.paper.figures import SUB_CASES, Operation, crossover, measured_rates, mutation, run_sub_case, sub_cases
-from vdoor.paper.search import (
-    POPULATION,
-    PRINTED_LOG2_LOAD,
-    log2_load,
-    study_search,
-)
+from vdoor.paper.search import POPULATION, PRINTED_LOG2_LOAD, log2_load, study_search
 from vdoor.paper.walkthrough import PRINTED_EDGES, PRINTED_GENERATION, figure_5_run, run_method, walk_through
 from vdoor.synth import PRESETS as KINDS
 from vdoor.synth import synthesize
@@ -113,7 +108,7 @@ def test_mutation_turns_the_string_of_figure_4_into_its_result() -> None:
 
 
 @pytest.mark.parametrize("chances", [(0.5, 0.1, 0.01), (0.2, 0.3, 0.05), (0.9, 0.0, 1.0)])
-def test_bits_change_as_often_as_the_search_says(chances: tuple[float, float, float]) -> None:
+def test_bits_change_as_often_as_the_search_sets(chances: tuple[float, float, float]) -> None:
     crossover, to_removed, to_kept = chances
     search = GeneticSearch(crossover=crossover, mutate_to_removed=to_removed, mutate_to_kept=to_kept)
     rates = measured_rates(search)
@@ -136,7 +131,7 @@ def test_the_walk_through_ends_as_the_paper_does_and_the_search_finds_the_proven
     assert found.evaluations < found.search_space / 10
 
 
-def test_the_walk_through_is_of_the_printed_size_and_says_why_where_it_is_not() -> None:
+def test_the_walk_through_is_of_the_printed_size_or_has_a_note_why_not() -> None:
     for line in walk_through(figure_5_run()).lines:
         assert line.printed / 2 <= line.ours <= line.printed * 2, line
         assert line.note or abs(line.ours - line.printed) <= 1, line
@@ -238,7 +233,7 @@ def test_where_islands_are_kept_nothing_is_taken_out_and_more_is_found_that_is_n
     assert found["islands-kept"].virtual > found["proposed"].virtual
 
 
-def test_section_3_is_told_by_the_searches_themselves() -> None:
+def test_section_3_is_counted_from_the_searches_themselves() -> None:
     walk = figure_5_run(seed=5)
     found = study_search(walk, graphs=2)
     assert found.reached[5] == walk.counts.best_generation == found.best_generation
@@ -254,7 +249,7 @@ def test_section_3_is_told_by_the_searches_themselves() -> None:
     assert sum(share.part for share in shares) == sum(graph.hits for graph in found.graphs)
 
 
-def test_a_claim_that_fails_is_said_to() -> None:
+def test_a_claim_that_fails_is_reported_as_failed() -> None:
     evidence = gather_evidence(Size(apartments=1, graphs=1))
     assert all(claim.holds for claim in claims(evidence))
     missed = [{**evidence.studies[0].each[0], "proposed": DoorCount(real=4, virtual=5, matched=3)}]

@@ -1,4 +1,4 @@
-"""The page of the paper's evidence is what the command makes, and the command keeps its word."""
+"""The stored page of the paper's evidence is what the command makes, and the command does what its help states."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ def stored_numbers() -> Any:
 
 
 def study_of(stored: Any) -> ApartmentStudy:
-    """The study that a document tells of, from its counts of each apartment alone."""
+    """The study in a document, from its counts of each apartment alone."""
     each = [
         {name: DoorCount(real=real, virtual=virtual, matched=matched) for name, (real, virtual, matched) in row}
         for row in ([(name, stored["each"][name][at]) for name in stored["doors"]] for at in range(APARTMENTS))
@@ -88,7 +88,7 @@ def alike(found: Any, wanted: Any) -> bool:
     return bool(found == pytest.approx(wanted, rel=1e-7)) if isinstance(wanted, float) else bool(found == wanted)
 
 
-def test_the_stored_page_says_what_the_command_finds(made: Made) -> None:
+def test_the_stored_page_has_what_the_command_finds(made: Made) -> None:
     here, there = sections(made[0] / "README.md"), sections(STORED / "README.md")
     for title in OF_ANY_SIZE:
         assert here[title] == there[title], title
@@ -160,7 +160,7 @@ def test_json_is_the_file_of_numbers_and_the_text_holds_the_same(made: Made) -> 
     assert "vdoor paper --out recordings/paper --force --apartments 2 --graphs 2" in (folder / "README.md").read_text()
 
 
-def test_pictures_are_small_and_say_nothing_of_their_making(made: Made) -> None:
+def test_pictures_are_small_and_without_metadata_of_their_making(made: Made) -> None:
     for name in NAMES:
         with Image.open(made[0] / name) as picture:
             assert picture.format == "PNG"
@@ -203,7 +203,7 @@ def test_existing_files_stay_without_force(tmp_path: Path) -> None:
         (("--out", __file__), "found a file"),
     ],
 )
-def test_what_cannot_be_done_is_said_before_anything_is(words: tuple[str, ...], said: str) -> None:
+def test_what_cannot_be_done_is_refused_before_anything_runs(words: tuple[str, ...], said: str) -> None:
     done = vdoor(*words)
     assert done.returncode == 2
     assert done.stdout == ""
@@ -211,7 +211,7 @@ def test_what_cannot_be_done_is_said_before_anything_is(words: tuple[str, ...], 
     assert "Traceback" not in done.stderr
 
 
-def test_without_matplotlib_the_command_says_how_to_install_it(tmp_path: Path) -> None:
+def test_without_matplotlib_the_error_names_how_to_install_it(tmp_path: Path) -> None:
     script = (
         "import importlib.util, sys\nfind = importlib.util.find_spec\n"
         "importlib.util.find_spec = lambda name, *rest: None if name == 'matplotlib' else find(name, *rest)\n"

@@ -70,10 +70,10 @@ class StageCounts:
 
 @dataclass(frozen=True, eq=False)
 class MethodRun:
-    """The records of one run; the run itself is the method's `Emit`."""
+    """The records of one run, collected by passing this to the method as its `Emit`."""
 
     records: dict[str, Record] = field(default_factory=dict)
-    """One a stage, by topic; the search has its generations instead."""
+    """By topic, one for each stage but the search, which has generations."""
     generations: list[Generation] = field(default_factory=list)
 
     def __call__(self, record: R, /) -> R:
