@@ -18,36 +18,24 @@ from vdoor.method.final_map import MergeRooms
 from vdoor.method.search.costs import MapCost
 from vdoor.method.search.optimisers import GeneticSearch
 from vdoor.method.search.problem import MergeProblem
-from vdoor.paper import (
+from vdoor.paper.claims import Size, claims, gather_evidence
+from vdoor.paper.door_counts import (
     ENVIRONMENTS,
     METHODS,
     PRINTED,
-    SUB_CASES,
     DoorCount,
-    Operation,
-    apartments,
-    crossover,
-    measured_rates,
-    mutation,
-    sub_cases,
+    Environment,
+    Share,
+    count_by_method,
+    count_doors,
+    methods_for,
+    study_apartments,
     table_one,
-    walk_through,
-    walked,
+    virtual_doors_m,
 )
-from vdoor.paper.claims import claims
-from vdoor.paper.doors_counted import Share, counted, counted_all, lines_m, methods_for
-from vdoor.paper.everything import Size, gathered
-from vdoor.paper.search_claims import (
-    POPULATION,
-    PRINTED_EDGES,
-    PRINTED_GENERATION,
-    PRINTED_LOG2_LOAD,
-    log2_load,
-    search_claims,
-)
-from vdoor.paper.sub_cases import shown
-from vdoor.paper.table_one import Environment
-from vdoor.paper.walk_through import figure_walk
+from vdoor.paper.figures import SUB_CASES, Operation, crossover, measured_rates, mutation, run_sub_case, sub_cases
+from vdoor.paper.search import POPULATION, PRINTED_LOG2_LOAD, log2_load, study_search
+from vdoor.paper.walkthrough import PRINTED_EDGES, PRINTED_GENERATION, figure_5_run, run_method, walk_through
 from vdoor.synth import PRESETS as KINDS
 from vdoor.synth import synthesize
 
@@ -65,7 +53,7 @@ DOORS_OF_CASES = {
     "case", [case for case in SUB_CASES if case.part in DOORS_OF_CASES], ids=lambda case: case.part
 )
 def test_each_part_of_figure_3_shows_what_it_is_there_for(case: Any) -> None:
-    counts = shown(case).counts
+    counts = run_sub_case(case).counts
     candidates = (counts.concave_candidates, counts.convex_candidates)
     corners = (counts.concave_corners, counts.convex_corners)
     found = (candidates, corners, (counts.pairs, counts.singles), counts.final_edges)
@@ -120,7 +108,7 @@ def test_mutation_turns_the_string_of_figure_4_into_its_result() -> None:
 
 
 @pytest.mark.parametrize("chances", [(0.5, 0.1, 0.01), (0.2, 0.3, 0.05), (0.9, 0.0, 1.0)])
-def test_bits_change_as_often_as_the_search_says(chances: tuple[float, float, float]) -> None:
+def test_bits_change_as_often_as_the_search_sets(chances: tuple[float, float, float]) -> None:
     crossover, to_removed, to_kept = chances
     search = GeneticSearch(crossover=crossover, mutate_to_removed=to_removed, mutate_to_kept=to_kept)
     rates = measured_rates(search)
@@ -133,18 +121,18 @@ def test_the_rates_shown_are_those_of_the_printed_chances() -> None:
 
 
 def test_the_walk_through_ends_as_the_paper_does_and_the_search_finds_the_proven_optimum() -> None:
-    walk = figure_walk()
+    walk = figure_5_run()
     ours = {line.what: line.ours for line in walk_through(walk).lines}
     assert ours["nodes of the final map"] == 4
     assert ours["edges of the final map"] == 3
-    found = search_claims(walk, graphs=1)
+    found = study_search(walk, graphs=1)
     assert found.proven
     assert found.search_space == 2 ** ours["edges of the initial map"]
     assert found.evaluations < found.search_space / 10
 
 
-def test_the_walk_through_is_of_the_printed_size_and_says_why_where_it_is_not() -> None:
-    for line in walk_through(figure_walk()).lines:
+def test_the_walk_through_is_of_the_printed_size_or_has_a_note_why_not() -> None:
+    for line in walk_through(figure_5_run()).lines:
         assert line.printed / 2 <= line.ours <= line.printed * 2, line
         assert line.note or abs(line.ours - line.printed) <= 1, line
 
@@ -156,9 +144,9 @@ def test_the_papers_own_numbers_do_not_give_the_load_it_prints() -> None:
 
 def test_counts_are_those_of_the_run() -> None:
     grid = SUB_CASES[-1].grid
-    walk = walked(grid, seed=3)
+    walk = run_method(grid, seed=3)
     assert walk.counts.final_edges == len(run(grid, "paper", seed=3).doors)
-    assert len(walk.generations) == 51
+    assert len(walk.search) == 51
     assert walk.counts.virtual_doors == walk.counts.pairs + walk.counts.singles
 
 
@@ -203,23 +191,23 @@ def test_furniture_changes_no_door_of_an_environment() -> None:
 
 @pytest.mark.parametrize("furniture", [False, True], ids=["empty", "furnished"])
 def test_over_apartments_the_proposed_method_is_above_both_stand_ins(*, furniture: bool) -> None:
-    study = apartments(30, furniture=furniture)
+    study = study_apartments(30, furniture=furniture)
     proposed = study.doors["proposed"]
     assert proposed.found.value >= 0.98
     assert proposed.accuracy.value >= 0.95
     for name in set(METHODS) - {"proposed"}:
         assert study.doors[name].accuracy.value < proposed.accuracy.value
         assert study.doors[name].found.value <= proposed.found.value
-        assert study.complete[name].part < study.complete["proposed"].part
+        assert study.without_error[name].part < study.without_error["proposed"].part
 
 
 def test_a_study_is_the_sum_of_its_apartments() -> None:
-    study = apartments(2, furniture=True)
+    study = study_apartments(2, furniture=True)
     kind = dataclasses.replace(KINDS["paper"], furniture=True)
     made = [synthesize(dataclasses.replace(kind, rooms=4 + at), np.random.default_rng(1000 + at)) for at in range(2)]
     for name, method in METHODS.items():
-        assert study.doors[name] == counted(made[0], method) + counted(made[1], method, seed=1)
-    assert apartments(2, furniture=True) == study
+        assert study.doors[name] == count_doors(made[0], method) + count_doors(made[1], method, seed=1)
+    assert study_apartments(2, furniture=True) == study
 
 
 @pytest.mark.parametrize(("part", "of"), [(0, 5), (5, 5), (3, 7), (772, 780)])
@@ -241,13 +229,13 @@ def test_where_islands_are_kept_nothing_is_taken_out_and_more_is_found_that_is_n
     islands_m = {name: method.simplify.max_island_m for name, method in methods_for(furnished).items()}
     assert islands_m == dict.fromkeys(METHODS, 1.0) | {"islands-kept": 0.0}
     found = table_one(furniture=True)[2].found
-    assert found["islands-kept"] == counted_all(furnished)["islands-kept"]
+    assert found["islands-kept"] == count_by_method(furnished)["islands-kept"]
     assert found["islands-kept"].virtual > found["proposed"].virtual
 
 
-def test_section_3_is_told_by_the_searches_themselves() -> None:
-    walk = figure_walk(seed=5)
-    found = search_claims(walk, graphs=2)
+def test_section_3_is_counted_from_the_searches_themselves() -> None:
+    walk = figure_5_run(seed=5)
+    found = study_search(walk, graphs=2)
     assert found.reached[5] == walk.counts.best_generation == found.best_generation
     assert found.evaluations == 50 * (walk.counts.best_generation + 1)
     assert found.all_evaluations == 50 * 51
@@ -261,8 +249,8 @@ def test_section_3_is_told_by_the_searches_themselves() -> None:
     assert sum(share.part for share in shares) == sum(graph.hits for graph in found.graphs)
 
 
-def test_a_claim_that_fails_is_said_to() -> None:
-    evidence = gathered(Size(apartments=1, graphs=1))
+def test_a_claim_that_fails_is_reported_as_failed() -> None:
+    evidence = gather_evidence(Size(apartments=1, graphs=1))
     assert all(claim.holds for claim in claims(evidence))
     missed = [{**evidence.studies[0].each[0], "proposed": DoorCount(real=4, virtual=5, matched=3)}]
     worse = dataclasses.replace(evidence.studies[0], each=tuple(missed))
@@ -287,12 +275,12 @@ def test_a_door_between_more_than_two_rooms_is_counted_once() -> None:
     problem = MergeProblem(stage.initial, MapCost())
     found = MergeRooms()(grid, stage.simplified, stage.initial, everything_kept(problem), problem)
     ends = {(door.start_m, door.end_m) for door in found.doors}
-    assert len(lines_m(found)) < len(found.doors)
-    assert len(lines_m(found)) == len(ends)
+    assert len(virtual_doors_m(found)) < len(found.doors)
+    assert len(virtual_doors_m(found)) == len(ends)
     # doors that cross are two, though their middles are one
     assert len(ends) > len({tuple(np.add(*pair).round(6)) for pair in ends})
 
 
 def test_an_environment_without_a_door_is_counted_too() -> None:
     made = Environment(name="one room", rooms=1, doors=0, seed=0).made
-    assert counted(made, METHODS["proposed"]) == DoorCount(real=0, virtual=0, matched=0)
+    assert count_doors(made, METHODS["proposed"]) == DoorCount(real=0, virtual=0, matched=0)

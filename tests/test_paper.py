@@ -1,4 +1,4 @@
-"""The page of the paper's evidence is what the command makes, and the command keeps its word."""
+"""The stored page of the paper's evidence is what the command makes, and the command does what its help states."""
 
 from __future__ import annotations
 
@@ -18,17 +18,15 @@ from PIL import Image
 from vdoor.experiments.search_study import Graph
 from vdoor.method.corners import Candidates
 from vdoor.method.curvature import Curvature
-from vdoor.paper import DoorCount, Study, apartments, walked
-from vdoor.paper.document import to_json
-from vdoor.paper.everything import Size, gathered
-from vdoor.paper.folder import files
-from vdoor.paper.page import page
+from vdoor.paper.claims import Size, gather_evidence
+from vdoor.paper.door_counts import ApartmentStudy, DoorCount, study_apartments
+from vdoor.paper.errata import arctan_mistakes
+from vdoor.paper.figures import SUB_CASES
 from vdoor.paper.pictures import NAMES
+from vdoor.paper.report import files, page, to_json
 from vdoor.paper.runs import runs
-from vdoor.paper.slips import arctan_wrong
-from vdoor.paper.sub_cases import SUB_CASES
-from vdoor.paper.table import Table
-from vdoor.paper.walk_through import figure_map
+from vdoor.paper.tables import Table
+from vdoor.paper.walkthrough import figure_5_map, run_method
 from vdoor.pipeline import RECORDS, recorded
 from vdoor.recording.mcap import read_recording
 
@@ -72,13 +70,13 @@ def stored_numbers() -> Any:
     return json.loads((STORED / "numbers.json").read_text())
 
 
-def study_of(stored: Any) -> Study:
-    """The study that a document tells of, from its counts of each apartment alone."""
+def study_of(stored: Any) -> ApartmentStudy:
+    """The study in a document, from its counts of each apartment alone."""
     each = [
         {name: DoorCount(real=real, virtual=virtual, matched=matched) for name, (real, virtual, matched) in row}
         for row in ([(name, stored["each"][name][at]) for name in stored["doors"]] for at in range(APARTMENTS))
     ]
-    return Study(furniture=stored["furniture"], cell_m=stored["cell_m"], each=tuple(each))
+    return ApartmentStudy(furniture=stored["furniture"], cell_m=stored["cell_m"], each=tuple(each))
 
 
 def alike(found: Any, wanted: Any) -> bool:
@@ -90,7 +88,7 @@ def alike(found: Any, wanted: Any) -> bool:
     return bool(found == pytest.approx(wanted, rel=1e-7)) if isinstance(wanted, float) else bool(found == wanted)
 
 
-def test_the_stored_page_says_what_the_command_finds(made: Made) -> None:
+def test_the_stored_page_has_what_the_command_finds(made: Made) -> None:
     here, there = sections(made[0] / "README.md"), sections(STORED / "README.md")
     for title in OF_ANY_SIZE:
         assert here[title] == there[title], title
@@ -108,14 +106,14 @@ def test_the_stored_numbers_are_those_that_the_command_finds(made: Made) -> None
 @pytest.mark.parametrize("furniture", [False, True], ids=["empty", "furnished"])
 def test_the_stored_apartments_are_found_again(*, furniture: bool) -> None:
     each = stored_numbers()["apartments"][furniture]["each"]
-    for number, found in enumerate(apartments(5, furniture=furniture).each):
+    for number, found in enumerate(study_apartments(5, furniture=furniture).each):
         for name, count in found.items():
             assert [count.real, count.virtual, count.matched] == each[name][number], (number, name)
 
 
 def test_every_word_and_number_of_the_stored_page_follows_from_what_was_counted() -> None:
     """What depends on how many there are is counted from the stored lists, of which a part is found again above."""
-    stored, small = stored_numbers(), gathered(Size(apartments=1, graphs=1))
+    stored, small = stored_numbers(), gather_evidence(Size(apartments=1, graphs=1))
     evidence = dataclasses.replace(
         small,
         size=Size(**stored["size"]),
@@ -151,7 +149,7 @@ def test_equal_seeds_give_equal_bytes_and_other_seeds_do_not(made: Made, tmp_pat
     assert "vdoor" not in again.stderr
     for path in files(folder, rrd=False):
         assert path.read_bytes() == (tmp_path / path.name).read_bytes(), path.name
-    other = json.loads(to_json(gathered(Size(apartments=1, graphs=1, seed=1))))
+    other = json.loads(to_json(gather_evidence(Size(apartments=1, graphs=1, seed=1))))
     assert other["search"]["courses"] != json.loads(first.stdout)["search"]["courses"]
 
 
@@ -162,7 +160,7 @@ def test_json_is_the_file_of_numbers_and_the_text_holds_the_same(made: Made) -> 
     assert "vdoor paper --out recordings/paper --force --apartments 2 --graphs 2" in (folder / "README.md").read_text()
 
 
-def test_pictures_are_small_and_say_nothing_of_their_making(made: Made) -> None:
+def test_pictures_are_small_and_without_metadata_of_their_making(made: Made) -> None:
     for name in NAMES:
         with Image.open(made[0] / name) as picture:
             assert picture.format == "PNG"
@@ -205,7 +203,7 @@ def test_existing_files_stay_without_force(tmp_path: Path) -> None:
         (("--out", __file__), "found a file"),
     ],
 )
-def test_what_cannot_be_done_is_said_before_anything_is(words: tuple[str, ...], said: str) -> None:
+def test_what_cannot_be_done_is_refused_before_anything_runs(words: tuple[str, ...], said: str) -> None:
     done = vdoor(*words)
     assert done.returncode == 2
     assert done.stdout == ""
@@ -213,7 +211,7 @@ def test_what_cannot_be_done_is_said_before_anything_is(words: tuple[str, ...], 
     assert "Traceback" not in done.stderr
 
 
-def test_without_matplotlib_the_command_says_how_to_install_it(tmp_path: Path) -> None:
+def test_without_matplotlib_the_error_names_how_to_install_it(tmp_path: Path) -> None:
     script = (
         "import importlib.util, sys\nfind = importlib.util.find_spec\n"
         "importlib.util.find_spec = lambda name, *rest: None if name == 'matplotlib' else find(name, *rest)\n"
@@ -238,14 +236,14 @@ def test_the_share_that_the_printed_arctan_mistakes_is_counted_right() -> None:
         down, right = of[sample].tolist()
         return math.degrees(math.atan(-down / right)) if right else math.copysign(90, -down)
 
-    walk = walked(figure_map())
+    walk = run_method(figure_5_map())
     candidates, curvature = walk.get(Candidates), walk.get(Curvature)
     alphas = [alpha_deg(curvature.forward, at) - alpha_deg(curvature.backward, at) for at in candidates.sample.tolist()]
     convex = np.array([alpha >= 180 or -180 <= alpha < 0 for alpha in alphas])
-    assert arctan_wrong(walk) == (int((convex != candidates.convex).sum()), len(alphas))
+    assert arctan_mistakes(walk) == (int((convex != candidates.convex).sum()), len(alphas))
 
 
 def test_true_corners_obey_the_law_of_islands() -> None:
-    for grid in (figure_map(), *(case.grid for case in SUB_CASES)):
-        counts = walked(grid).counts
+    for grid in (figure_5_map(), *(case.grid for case in SUB_CASES)):
+        counts = run_method(grid).counts
         assert counts.concave_turns - counts.convex_turns == 4 - 4 * counts.islands

@@ -28,8 +28,8 @@ from vdoor.experiments.steps import MOST_VALUES, PAPER, values_in
 from vdoor.experiments.sweep import doors_counted
 from vdoor.experiments.sweep_report import lines, value_text
 from vdoor.method.search.optimisers import GeneticSearch
-from vdoor.paper.doors_counted import METHODS as COUNTED
-from vdoor.paper.doors_counted import counted
+from vdoor.paper.door_counts import METHODS as COUNTED
+from vdoor.paper.door_counts import count_doors as counted
 from vdoor.pipeline import PRESETS
 from vdoor.synth import PRESETS as KINDS
 from vdoor.synth import synthesize, write_synthetic

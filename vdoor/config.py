@@ -34,6 +34,12 @@ class Within:
     high: float
 
 
+def check_range(value: Any, low: float, high: float, place: str) -> None:
+    """Raise `SettingError` unless the value lies between the two, ends included; nan does not."""
+    if not low <= value <= high:
+        raise SettingError(f"{place}: wanted {low:g} to {high:g}, found {value!r}")
+
+
 def settings_of(pipeline: object, choices: Choices) -> dict[str, dict[str, Any]]:
     """Every setting of every stage, as nested tables that `with_settings` reads back."""
     tables: dict[str, dict[str, Any]] = {}
@@ -75,8 +81,8 @@ def replaced(stage: Any, values: Mapping[str, Any], place: str) -> Any:
             current[name] = _texts(value, f"{place}.{name}")
             continue
         current[name] = _like(current[name], value, f"{place}.{name}")
-        if name in ranges and not ranges[name].low <= current[name] <= ranges[name].high:
-            raise SettingError(f"{place}.{name}: wanted {ranges[name].low:g} to {ranges[name].high:g}, found {value!r}")
+        if name in ranges:
+            check_range(current[name], ranges[name].low, ranges[name].high, f"{place}.{name}")
     return type(stage)(**current)
 
 

@@ -32,22 +32,18 @@ def paper(
     if rrd and out is None:
         raise SettingError("--rrd: wanted a folder for the recordings as well, say --out paper")
     from vdoor.files import refuse_existing, refuse_folder
-    from vdoor.paper import document, folder, tables
-    from vdoor.paper.claims import claims
-    from vdoor.paper.everything import Size, gathered
+    from vdoor.paper import report, tables
+    from vdoor.paper.claims import Size, claims, gather_evidence
+    from vdoor.paper.walkthrough import no_progress
     from vdoor.viz.charts import require_matplotlib
 
     if out is not None:
         require_matplotlib()
         refuse_folder(out)
-        refuse_existing(folder.files(out, rrd=rrd), force=force)
-    told = _nothing if quiet else say
-    evidence = gathered(Size(apartments=apartments, graphs=graphs, seed=seed), told)
+        refuse_existing(report.files(out, rrd=rrd), force=force)
+    progress = no_progress if quiet else say
+    evidence = gather_evidence(Size(apartments=apartments, graphs=graphs, seed=seed), progress)
     if out is not None:
-        folder.write(evidence, out, rrd=rrd, told=told)
-    print(document.to_json(evidence) if as_json else tables.to_text(evidence))
+        report.write(evidence, out, rrd=rrd, progress=progress)
+    print(report.to_json(evidence) if as_json else tables.to_text(evidence))
     raise typer.Exit(int(not all(claim.holds for claim in claims(evidence))))
-
-
-def _nothing(_: str) -> None:
-    """Say nothing."""

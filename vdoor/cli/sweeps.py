@@ -131,7 +131,8 @@ def _trials(
 ) -> list[Trial]:
     """The maps asked for, or apartments."""
     from vdoor.experiments import trial_of
-    from vdoor.paper.apartments import FIRST_SEED, drawn
+    from vdoor.paper.door_counts import FIRST_SEED
+    from vdoor.paper.door_counts import apartment_maps as drawn
 
     if maps is None and choice is None:
         made = drawn(apartments or APARTMENTS, furniture=furnished, cell_m=CELL_M)

@@ -1,25 +1,83 @@
-"""What must hold for the paper's claims to stand here, each with what was found."""
+"""All evidence gathered at once, and the paper's claims checked on it."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
-from vdoor.paper.apartments import Study
-from vdoor.paper.doors_counted import METHODS, PROPOSED, DoorCount
-from vdoor.paper.everything import Evidence
-from vdoor.paper.table_one import Row
+from vdoor.paper.door_counts import (
+    FURNISHING,
+    PROPOSED,
+    STAND_INS,
+    ApartmentStudy,
+    TableRow,
+    study_apartments,
+    table_one,
+    total,
+)
+from vdoor.paper.errata import Erratum, Unprinted, errata, unprinted
+from vdoor.paper.figures import Operation, OperatorRates, SubCaseResult, crossover, measured_rates, mutation, sub_cases
+from vdoor.paper.search import SearchStudy, study_search
+from vdoor.paper.walkthrough import Progress, WalkThrough, figure_5_run, no_progress, walk_through
 
 LEAST_FOUND, LEAST_ACCURACY = 0.98, 0.95
 LEAST_HITS = 0.9
-STAND_INS = tuple(name for name in METHODS if name != PROPOSED)
-KINDS = ("empty", "furnished")
-"""Of maps: without furniture and with it."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Size:
+    """How much is computed, as the command's options set it."""
+
+    apartments: int = 200
+    """Empty apartments, and as many furnished."""
+    graphs: int = 60
+    """Maps whose searches are compared with the proven optimum."""
+    seed: int = 0
+    """Of the searches; maps have seeds of their own."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Evidence:
+    """The paper's figures, tables and claims as found here."""
+
+    size: Size
+    figure_3: tuple[SubCaseResult, ...]
+    figure_4: tuple[Operation, Operation]
+    """Crossover and mutation."""
+    rates: OperatorRates
+    figure_5: WalkThrough
+    search: SearchStudy
+    table_1: tuple[tuple[TableRow, ...], tuple[TableRow, ...]]
+    """Empty and furnished."""
+    studies: tuple[ApartmentStudy, ApartmentStudy]
+    """Empty and furnished."""
+    errata: tuple[Erratum, ...]
+    unprinted: tuple[Unprinted, ...]
+
+
+def gather_evidence(size: Size, progress: Progress = no_progress) -> Evidence:
+    """Compute everything; equal sizes give equal evidence."""
+    run = figure_5_run(seed=size.seed)
+    return Evidence(
+        size=size,
+        figure_3=sub_cases(),
+        figure_4=(crossover(), mutation()),
+        rates=measured_rates(),
+        figure_5=walk_through(run),
+        search=study_search(run, graphs=size.graphs, progress=progress),
+        table_1=(table_one(furniture=False, seed=size.seed), table_one(furniture=True, seed=size.seed)),
+        studies=(
+            study_apartments(size.apartments, seed=size.seed, progress=progress),
+            study_apartments(size.apartments, furniture=True, seed=size.seed, progress=progress),
+        ),
+        errata=errata(run),
+        unprinted=unprinted(),
+    )
 
 
 @dataclass(frozen=True, kw_only=True)
 class Claim:
-    """One of them."""
+    """What must hold for one of the paper's claims to stand here, and what was found."""
 
     what: str
     wanted: str
@@ -28,17 +86,21 @@ class Claim:
 
 
 def claims(evidence: Evidence) -> tuple[Claim, ...]:
-    """All of them, in the paper's order."""
+    """All claims, in the paper's order."""
     return (
-        *_of_walk(evidence),
-        *_of_searches(evidence),
-        *(claim for rows, kind in zip(evidence.table_1, KINDS, strict=True) for claim in _of_cases(rows, kind)),
-        _together(evidence.table_1[1]),
-        *(claim for study in evidence.studies for claim in _of_study(study)),
+        *_of_walk_through(evidence),
+        *_of_search(evidence.search),
+        *(
+            claim
+            for rows, furnishing in zip(evidence.table_1, FURNISHING, strict=True)
+            for claim in _of_environments(rows, furnishing)
+        ),
+        _of_environments_together(evidence.table_1[1]),
+        *(claim for study in evidence.studies for claim in _of_apartments(study)),
     )
 
 
-def _of_walk(evidence: Evidence) -> Iterator[Claim]:
+def _of_walk_through(evidence: Evidence) -> Iterator[Claim]:
     counts, search = evidence.figure_5.counts, evidence.search
     yield Claim(
         what="Fig. 5f: rooms and doors of the final map",
@@ -54,9 +116,9 @@ def _of_walk(evidence: Evidence) -> Iterator[Claim]:
     )
 
 
-def _of_searches(evidence: Evidence) -> Iterator[Claim]:
-    hits = evidence.search.hits
-    shares = [share for _, share in evidence.search.groups.values() if share.of]
+def _of_search(search: SearchStudy) -> Iterator[Claim]:
+    hits = search.hits
+    shares = [share for _, share in search.groups.values() if share.of]
     yield Claim(
         what="III: searches of the walk-through that reach the proven optimum",
         wanted=f"at least {LEAST_HITS:.2f}",
@@ -71,39 +133,40 @@ def _of_searches(evidence: Evidence) -> Iterator[Claim]:
     )
 
 
-def _of_cases(rows: Iterable[Row], kind: str) -> Iterator[Claim]:
+def _of_environments(rows: Iterable[TableRow], furnishing: str) -> Iterator[Claim]:
     for row in rows:
         ours, printed = row.found[PROPOSED], row.printed[PROPOSED]
         least = round(printed.accuracy.value, 2)
         best = max(row.found[name].accuracy.value for name in STAND_INS)
         yield Claim(
-            what=f"Table I, {row.environment.name}, {kind}: all found, as accurate as printed, no stand-in better",
+            what=f"Table I, {row.environment.name}, {furnishing}: "
+            "all found, as accurate as printed, no stand-in better",
             wanted=f"{ours.real} of {ours.real}, at least {least:.2f}, stand-ins {best:.2f}",
             found=f"{ours.matched} of {ours.real}, {ours.accuracy.value:.2f}",
             holds=ours.real == ours.matched and ours.accuracy.value >= max(least, best),
         )
 
 
-def _together(rows: Iterable[Row]) -> Claim:
-    total = {name: sum((row.found[name] for row in rows), DoorCount()).accuracy.value for name in METHODS}
+def _of_environments_together(rows: Iterable[TableRow]) -> Claim:
+    accuracy = {name: count.accuracy.value for name, count in total(row.found for row in rows).items()}
     return Claim(
         what="Table I, furnished, the three together: more accurate than both stand-ins",
-        wanted=f"above {max(total[name] for name in STAND_INS):.2f}",
-        found=f"{total[PROPOSED]:.2f}",
-        holds=all(total[PROPOSED] > total[name] for name in STAND_INS),
+        wanted=f"above {max(accuracy[name] for name in STAND_INS):.2f}",
+        found=f"{accuracy[PROPOSED]:.2f}",
+        holds=all(accuracy[PROPOSED] > accuracy[name] for name in STAND_INS),
     )
 
 
-def _of_study(study: Study) -> Iterator[Claim]:
-    ours = study.doors[PROPOSED]
-    accuracy = ours.accuracy.value
-    best = max(study.doors[name].accuracy.value for name in STAND_INS)
-    where = f"{len(study.each)} {KINDS[study.furniture]} apartments"
+def _of_apartments(study: ApartmentStudy) -> Iterator[Claim]:
+    doors = study.doors
+    found, accuracy = doors[PROPOSED].found.value, doors[PROPOSED].accuracy.value
+    best = max(doors[name].accuracy.value for name in STAND_INS)
+    where = f"{len(study.each)} {FURNISHING[study.furniture]} apartments"
     yield Claim(
         what=f"{where}: matched / real",
         wanted=f"at least {LEAST_FOUND:.2f}",
-        found=f"{ours.found.value:.3f}",
-        holds=ours.found.value >= LEAST_FOUND,
+        found=f"{found:.3f}",
+        holds=found >= LEAST_FOUND,
     )
     yield Claim(
         what=f"{where}: matched / virtual, against both stand-ins",

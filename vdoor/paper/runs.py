@@ -1,8 +1,7 @@
-"""The runs behind the figures and Table I, so that each can be recorded, replayed and run again."""
+"""The runs behind the figures and Table I, each of which can be recorded, replayed and run again."""
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,70 +13,63 @@ from vdoor.config import settings_of
 from vdoor.emit import Recorder, RunInfo
 from vdoor.grid import OccupancyGrid
 from vdoor.outputs import Outputs, opened
-from vdoor.paper.doors_counted import CALLED, PROPOSED, methods_for
-from vdoor.paper.sub_cases import SUB_CASES
-from vdoor.paper.table_one import ENVIRONMENTS
-from vdoor.paper.walk import paper
-from vdoor.paper.walk_through import figure_map
+from vdoor.paper.door_counts import FURNISHING, METHOD_TITLES, PROPOSED, environments, methods_for
+from vdoor.paper.figures import SUB_CASES
+from vdoor.paper.walkthrough import figure_5_map, paper_pipeline
 from vdoor.pipeline import METHODS, PRESETS, AnyPipeline
 
 
 @dataclass(frozen=True, eq=False)
 class Run:
-    """One of them."""
+    """A method with its settings, a map and a seed."""
 
     name: str
-    """Of its files, without the ending."""
+    """The name of its files, without the ending."""
     what: str
+    """What it is in the paper."""
     grid: OccupancyGrid
     pipeline: AnyPipeline
     preset: str = "paper"
     seed: int = 0
 
     def files(self, folder: Path, *, rrd: bool) -> list[Path]:
-        """What `record` writes."""
+        """The files that `record` writes."""
         endings = ("mcap", "rrd") if rrd else ("mcap",)
         return [folder / f"{self.name}.{ending}" for ending in endings]
 
     def record(self, folder: Path, *, rrd: bool) -> None:
-        """Run it and write its recording, on request the one to look at as well."""
+        """Run it and write its recording, with `rrd` a Rerun recording as well."""
         info = RunInfo(
             version=__version__, preset=self.preset, seed=self.seed, settings=settings_of(self.pipeline, METHODS)
         )
-        mcap, *drawn = self.files(folder, rrd=rrd)
-        with opened(Outputs(mcap=mcap, save=drawn[0] if drawn else None), info) as recording:
+        mcap, *save = self.files(folder, rrd=rrd)
+        with opened(Outputs(mcap=mcap, save=save[0] if save else None), info) as recording:
             self.pipeline(self.grid, np.random.default_rng(self.seed), Recorder(recording.sinks))
 
 
 def runs(seed: int) -> Iterator[Run]:
-    """All of them, in the paper's order."""
+    """All runs, in the paper's order."""
     yield from _of_sub_cases()
-    yield Run("figure_5", "Fig. 5, the walk-through", figure_map(), paper(), seed=seed)
+    yield Run("figure_5", "Fig. 5, the walk-through", figure_5_map(), paper_pipeline(), seed=seed)
     for furniture in (False, True):
         yield from _of_table(seed, furniture=furniture)
 
 
-def case_name(part: str) -> str:
-    """What the files of a part of figure 3 are called: ``3c, 3d`` is ``figure_3cd``."""
-    return f"figure_{part.replace(', 3', '')}"
-
-
 def _of_sub_cases() -> Iterator[Run]:
     for case in SUB_CASES:
-        yield Run(case_name(case.part), f"Fig. {case.part}, {case.name}", case.grid, paper())
-        if case.undone:
-            undone = dataclasses.replace(paper(), simplify=case.undone)
+        yield Run(case.file_stem, f"Fig. {case.part}, {case.name}", case.grid, paper_pipeline())
+        if case.pipeline_undone:
             what = f"Fig. {case.part}, without that step"
-            yield Run(f"{case_name(case.part)}_undone", what, case.grid, undone)
+            yield Run(f"{case.file_stem}_undone", what, case.grid, case.pipeline_undone)
 
 
 def _of_table(seed: int, *, furniture: bool) -> Iterator[Run]:
-    """The proposed method on each environment, and all others where it is furnished."""
-    kind = "furnished" if furniture else "empty"
-    for environment in ENVIRONMENTS:
-        made = dataclasses.replace(environment, furniture=furniture).made
+    """The proposed method on each environment; on furnished ones every method."""
+    kind = FURNISHING[furniture]
+    for environment in environments(furniture=furniture):
+        made = environment.made
         for name, method in methods_for(made).items():
             if furniture or name == PROPOSED:
                 stem = f"{environment.name} {kind} {name}".replace(" ", "_").replace("-", "_")
-                what = f"Table I, {environment.name}, {kind}: {CALLED[name]}"
+                what = f"Table I, {environment.name}, {kind}: {METHOD_TITLES[name]}"
                 yield Run(stem, what, made.grid, method, name if name in PRESETS else "paper", seed)

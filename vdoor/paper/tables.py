@@ -1,18 +1,85 @@
-"""The paper's figures and tables as tables of text: what the command prints and what is on the page."""
+"""The evidence as tables of text, which the command prints and the page has in Markdown."""
 
 from __future__ import annotations
 
-from vdoor.paper.claims import KINDS, claims
-from vdoor.paper.door_tables import ISLANDS, apartments_table, table_1
-from vdoor.paper.everything import Evidence
-from vdoor.paper.search_tables import hits_table, search_table
-from vdoor.paper.sub_cases import Shown
-from vdoor.paper.table import Table
+import re
+import statistics
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 
+from vdoor.paper.claims import Evidence, claims
+from vdoor.paper.door_counts import (
+    FURNISHING,
+    ISLANDS_UP_TO_M,
+    METHOD_TITLES,
+    DoorCount,
+    Share,
+    TableRow,
+    total,
+)
+from vdoor.paper.figures import SubCaseResult
+from vdoor.paper.search import (
+    EXAMPLE,
+    EXAMPLE_EDGES,
+    EXAMPLE_STRINGS,
+    GENERATIONS,
+    POPULATION,
+    PRINTED_LOG2_LOAD,
+    SEARCHES,
+    SearchStudy,
+    log2_load,
+)
+from vdoor.paper.walkthrough import PRINTED_EDGES, PRINTED_GENERATION
+
+NUMBER = re.compile(r"[-+]?[\d,.]+( %)?|-|")
 NEAR = 0.2
 """How far a count may be off, as a share of the printed one, and still be called near."""
 COVERAGE = "to be measured when coverage exists"
-SENTENCES = ("slips", "unprinted")
+ON_THE_PAGE_ONLY = ("errata", "unprinted")
+"""Tables whose cells are sentences."""
+ISLANDS = (
+    f"With furniture, every method first takes out what stands free and is at most {ISLANDS_UP_TO_M:g} m long "
+    "(simplify.max_island_m=1.0), which the paper does not do; where islands are kept, nothing is taken out."
+)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Table:
+    """Rows of text under a head, and notes, numbered where rows refer to them."""
+
+    title: str
+    head: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+    notes: tuple[str, ...] = ()
+    numbered: bool = False
+
+    def to_text(self) -> str:
+        """Aligned columns under an underlined title."""
+        lines = [self.head, *self.rows]
+        widths = [max(len(line[column]) for line in lines) for column in range(len(self.head))]
+        right = [self._is_of_numbers(column) for column in range(len(self.head))]
+        shown = (
+            "  ".join(
+                cell.rjust(width) if to_right else cell.ljust(width)
+                for cell, width, to_right in zip(line, widths, right, strict=True)
+            ).rstrip()
+            for line in lines
+        )
+        return "\n".join([self.title, "-" * len(self.title), *shown, *self._noted()])
+
+    def to_markdown(self) -> str:
+        """A table for a page, its notes below, without the title."""
+        marks = ["---:" if self._is_of_numbers(column) else "---" for column in range(len(self.head))]
+        lines = [self.head, tuple(marks), *self.rows]
+        shown = ("| " + " | ".join(cell.replace("|", "\\|") for cell in line) + " |" for line in lines)
+        between = "\n" if self.numbered else "\n\n"
+        return "\n\n".join(["\n".join(shown), *([between.join(self._noted())] if self.notes else [])])
+
+    def _noted(self) -> Iterator[str]:
+        return (f"{number}. {note}" if self.numbered else note for number, note in enumerate(self.notes, 1))
+
+    def _is_of_numbers(self, column: int) -> bool:
+        return all(NUMBER.fullmatch(row[column]) for row in self.rows)
 
 
 def all_tables(evidence: Evidence) -> dict[str, Table]:
@@ -26,23 +93,23 @@ def all_tables(evidence: Evidence) -> dict[str, Table]:
         "figure_5": figure_5(evidence),
         "search": search_table(evidence.search),
         "hits": hits_table(evidence.search),
-        "table_1_empty": table_1(empty, KINDS[0]),
-        "table_1_furnished": table_1(furnished, KINDS[1]),
+        "table_1_empty": table_1(empty, furnished=False),
+        "table_1_furnished": table_1(furnished, furnished=True),
         "apartments": apartments_table(evidence),
         "coverage": coverage_table(),
-        "slips": slips_table(evidence),
+        "errata": errata_table(evidence),
         "unprinted": unprinted_table(evidence),
     }
 
 
 def to_text(evidence: Evidence) -> str:
-    """All tables to be printed, but for those whose cells are sentences; the page has these."""
-    shown = (table.to_text() for name, table in all_tables(evidence).items() if name not in SENTENCES)
+    """All tables but those that only the page has."""
+    shown = (table.to_text() for name, table in all_tables(evidence).items() if name not in ON_THE_PAGE_ONLY)
     return "\n\n".join([*shown, "What the paper leaves open, and its slips, are on the page that --out writes."])
 
 
 def claims_table(evidence: Evidence) -> Table:
-    """What must hold."""
+    """What must hold for the paper's claims to stand, and whether it does."""
     return Table(
         title="What must hold",
         head=("claim", "wanted", "found", "holds"),
@@ -54,20 +121,20 @@ def claims_table(evidence: Evidence) -> Table:
 
 
 def figure_3(evidence: Evidence) -> Table:
-    """The sub-cases: what each stage finds on each tiny map."""
-    head = ("part", "what", "removed cells", "candidates", "corners", "virtual doors", "doors in the end")
-    rows = [_case(shown) for shown in evidence.figure_3]
-    return Table(title="Figure 3: from the map to virtual doors", head=head, rows=tuple(rows), notes=CASE_NOTES)
+    """What each stage finds on the tiny maps."""
+    return Table(
+        title="Figure 3: from the map to virtual doors",
+        head=("part", "what", "removed cells", "candidates", "corners", "virtual doors", "doors in the end"),
+        rows=tuple(map(_sub_case_row, evidence.figure_3)),
+        notes=("Candidates and corners: concave + convex. Virtual doors: between pairs + at single corners.",),
+    )
 
 
-CASE_NOTES = ("Candidates and corners: concave + convex. Virtual doors: between pairs + at single corners.",)
-
-
-def _case(shown: Shown) -> tuple[str, ...]:
-    counts = shown.counts
+def _sub_case_row(result: SubCaseResult) -> tuple[str, ...]:
+    counts = result.counts
     return (
-        shown.case.part,
-        shown.case.name,
+        result.case.part,
+        result.case.name,
         str(counts.unreachable_cells + counts.jut_cells + counts.notch_cells),
         f"{counts.concave_candidates} + {counts.convex_candidates}",
         f"{counts.concave_corners} + {counts.convex_corners}",
@@ -78,14 +145,13 @@ def _case(shown: Shown) -> tuple[str, ...]:
 
 def figure_4(evidence: Evidence) -> Table:
     """The genetic operators on the printed strings."""
-    rows = [
-        (name, " and ".join(operation.before), " and ".join(operation.after), str(operation.seed))
-        for name, operation in zip(("crossover", "mutation"), evidence.figure_4, strict=True)
-    ]
     return Table(
         title="Figure 4: the genetic operators",
         head=("operator", "before", "after", "seed"),
-        rows=tuple(rows),
+        rows=tuple(
+            (name, " and ".join(operation.before), " and ".join(operation.after), str(operation.seed))
+            for name, operation in zip(("crossover", "mutation"), evidence.figure_4, strict=True)
+        ),
         notes=(
             "As the figure has them: dots are one bit, parent 1 all 0, parent 2 all 1. The first seed that does it.",
         ),
@@ -110,8 +176,8 @@ def rates_table(evidence: Evidence) -> Table:
 def figure_5(evidence: Evidence) -> Table:
     """The walk-through's counts beside the printed ones."""
     lines = evidence.figure_5.lines
-    notes = list(dict.fromkeys(line.note for line in lines if line.note))
-    rows = [
+    notes = tuple(dict.fromkeys(line.note for line in lines if line.note))
+    rows = (
         (
             line.what,
             str(line.printed),
@@ -120,9 +186,9 @@ def figure_5(evidence: Evidence) -> Table:
             str(notes.index(line.note) + 1) if line.note else "",
         )
         for line in lines
-    ]
+    )
     head = ("count", "printed", "here", "met", "why not")
-    return Table(title="Figure 5: the walk-through", head=head, rows=tuple(rows), notes=tuple(notes), numbered=True)
+    return Table(title="Figure 5: the walk-through", head=head, rows=tuple(rows), notes=notes, numbered=True)
 
 
 def met(printed: int, ours: int) -> str:
@@ -130,6 +196,125 @@ def met(printed: int, ours: int) -> str:
     if printed == ours:
         return "yes"
     return "nearly" if abs(printed - ours) <= NEAR * printed else "no"
+
+
+def search_table(search: SearchStudy) -> Table:
+    """Section III's claims about the walk-through."""
+    return Table(
+        title="Section III: the search",
+        head=("claim", "printed", "here"),
+        rows=(*_load_rows(search), *_optimum_rows(search)),
+    )
+
+
+def _load_rows(search: SearchStudy) -> Iterator[tuple[str, str, str]]:
+    """How many choices are evaluated, as a share of all."""
+    printed = POPULATION * PRINTED_GENERATION
+    share = f"1/2^{-PRINTED_LOG2_LOAD}; its numbers give {_power(printed, PRINTED_EDGES)}"
+    yield "virtual doors", str(PRINTED_EDGES), str(search.edges)
+    yield "choices of doors", f"{2**PRINTED_EDGES:,}", f"{search.search_space:,}"
+    yield "generation of the optimum", str(PRINTED_GENERATION), str(search.best_generation)
+    yield "choices evaluated until then", f"{PRINTED_GENERATION} x {POPULATION} = {printed}", f"{search.evaluations}"
+    yield "as a share of all", share, _power(search.evaluations, search.edges)
+    yield "chance of the optimum among as many drawn blindly", "", f"{_blind(search):.1%}"
+    most = f"{GENERATIONS} x {POPULATION} = {GENERATIONS * POPULATION:,}, or {EXAMPLE}"
+    share = f"{EXAMPLE} of 2^{EXAMPLE_EDGES}: {_power(EXAMPLE_STRINGS, EXAMPLE_EDGES)}"
+    yield "choices evaluated in all generations", most, f"{search.all_evaluations:,}"
+    yield f"as a share of the choices of {EXAMPLE_EDGES} doors", share, _power(search.all_evaluations, EXAMPLE_EDGES)
+
+
+def _power(evaluations: int, edges: int) -> str:
+    """A share of all choices as a power of two."""
+    return f"1/2^{-log2_load(evaluations, edges):.1f}"
+
+
+def _blind(search: SearchStudy) -> float:
+    """Chance that at least one of as many random choices is optimal."""
+    return 1 - (1 - search.optimal_choices / search.search_space) ** search.evaluations
+
+
+def _optimum_rows(search: SearchStudy) -> Iterator[tuple[str, str, str]]:
+    """Whether the choice found is the optimum, and how many searches find that."""
+    reached, searches = search.reached_in, search.hits.of
+    in_time = sum(generation <= PRINTED_GENERATION for generation in reached)
+    spread = f"{reached[0]}, {statistics.median(reached):g}, {reached[-1]}" if reached else "-"
+    yield "cost of the choice found", "", f"{search.courses[-1].best:.4f}"
+    yield "least cost of all choices, each tried", "", f"{search.optimum:.4f}"
+    yield "choices that cost so little", "", str(search.optimal_choices)
+    yield f"searches that find the optimum, seeds 0 to {searches - 1}", "", f"{len(reached)} of {searches}"
+    yield f"those that do by generation {PRINTED_GENERATION}", "", f"{in_time} of {searches}"
+    yield "generation in which they do: first, median, last", "", spread
+
+
+def hits_table(search: SearchStudy) -> Table:
+    """How often the search reaches the proven optimum, by number of virtual doors."""
+    return Table(
+        title="Section III: searches that reach the proven optimum",
+        head=("virtual doors", "maps", "searches", "share (95 %)"),
+        rows=tuple(
+            (f"{low} to {high}", str(graphs), f"{share.part:,} of {share.of:,}", _with_interval(share))
+            for (low, high), (graphs, share) in search.groups.items()
+            if share.of
+        ),
+        notes=(
+            f"Intervals are Wilson's, of 95 %; they take searches as independent, though a map has {SEARCHES} of them.",
+        ),
+    )
+
+
+def _with_interval(share: Share) -> str:
+    low, high = share.interval
+    return f"{share.value:.3f} ({low:.3f} to {high:.3f})"
+
+
+def table_1(rows: Sequence[TableRow], *, furnished: bool) -> Table:
+    """Table I on the three environments, empty or furnished."""
+    printed, found = total(row.printed for row in rows), total(row.found for row in rows)
+    lines = [(row.environment.name, row.environment.doors, row.printed, row.found) for row in rows]
+    lines.append(("together", sum(row.environment.doors for row in rows), printed, found))
+    return Table(
+        title=f"Table I, {FURNISHING[furnished]}: matched / virtual doors = accuracy",
+        head=(
+            "environment", "real doors", "existing [8], printed", "proposed, printed",
+            *(f"{METHOD_TITLES[name]}, here" for name in found),
+        ),
+        rows=tuple(
+            (name, str(doors), *map(_accuracy, (*in_print.values(), *here.values())))
+            for name, doors, in_print, here in lines
+        ),
+        notes=(ISLANDS,) if furnished else (),
+    )  # fmt: skip
+
+
+def _accuracy(count: DoorCount) -> str:
+    return f"{count.matched}/{count.virtual} = {count.accuracy.value:.2f}"
+
+
+def apartments_table(evidence: Evidence) -> Table:
+    """Table I over many apartments, with intervals."""
+    rows = (
+        (
+            FURNISHING[study.furniture],
+            METHOD_TITLES[name],
+            str(count.real),
+            str(count.virtual),
+            str(count.matched),
+            _with_interval(count.accuracy),
+            _with_interval(count.found),
+            f"{study.without_error[name].part} of {study.without_error[name].of}",
+        )
+        for study in evidence.studies
+        for name, count in study.doors.items()
+    )
+    return Table(
+        title=f"Table I over {evidence.size.apartments} apartments, empty and furnished",
+        head=(
+            "apartments", "method", "real", "virtual", "matched", "matched / virtual (95 %)", "matched / real (95 %)",
+            "without any error",
+        ),
+        rows=tuple(rows),
+        notes=("Intervals are Wilson's, of 95 %; they take doors as independent of each other.", ISLANDS),
+    )  # fmt: skip
 
 
 def coverage_table() -> Table:
@@ -141,12 +326,12 @@ def coverage_table() -> Table:
     )
 
 
-def slips_table(evidence: Evidence) -> Table:
+def errata_table(evidence: Evidence) -> Table:
     """Where the paper cannot be taken by the letter."""
     return Table(
         title="What cannot be taken by the letter",
         head=("where", "printed", "why not", "here"),
-        rows=tuple((slip.where, slip.printed, slip.trouble, slip.here) for slip in evidence.slips),
+        rows=tuple((erratum.where, erratum.printed, erratum.trouble, erratum.here) for erratum in evidence.errata),
     )
 
 

@@ -273,9 +273,7 @@ def _check(settings: DataclassInstance, bounds: Bounds) -> None:
     """Raise `SettingError` unless every value lies within its bounds, both included."""
     for field in dataclasses.fields(settings):
         value, (low, high) = getattr(settings, field.name), _bounds(field.name, bounds)
-        if not low <= value <= high:  # nan is not in any range
-            place = f"{type(settings).__name__}.{field.name}"
-            raise SettingError(f"{place}: wanted {low:g} to {high:g}, found {value}")
+        check_range(value, low, high, f"{type(settings).__name__}.{field.name}")
 
 
 def _bounds(name: str, bounds: Bounds) -> tuple[float, float]:

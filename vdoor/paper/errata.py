@@ -1,4 +1,4 @@
-"""Where the paper cannot be taken by the letter: what it prints, what it must mean, and what is done here."""
+"""The paper's errata and what it leaves open: what it prints, why that cannot be meant, what is done here."""
 
 from __future__ import annotations
 
@@ -12,36 +12,39 @@ from vdoor.method.curvature import Curvature
 from vdoor.method.doors import ProposeDoors
 from vdoor.method.search.costs import MapCost
 from vdoor.method.search.optimisers import GeneticSearch
-from vdoor.paper.search_claims import POPULATION, PRINTED_EDGES, PRINTED_GENERATION, log2_load
-from vdoor.paper.walk import Walk, paper
+from vdoor.paper.search import POPULATION, log2_load
+from vdoor.paper.walkthrough import PRINTED_EDGES, PRINTED_GENERATION, MethodRun, paper_pipeline
 
 
 @dataclass(frozen=True, kw_only=True)
-class Slip:
-    """One place."""
+class Erratum:
+    """A place where the paper cannot be taken by the letter."""
 
     where: str
     printed: str
     trouble: str
+    """Why it cannot be meant."""
     here: str
+    """What is done instead."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Unprinted:
-    """Something that the method needs and the paper does not say."""
+    """Something that the method needs and the paper does not print."""
 
     what: str
     taken: str
+    """The value or rule used here."""
 
 
-def slips(walk: Walk) -> tuple[Slip, ...]:
-    """All of them, in the paper's order, with what the walk-through's run says to it."""
-    return (*_of_curvature(walk), *_of_doors(), *_of_search(), *_of_results(walk))
+def errata(run: MethodRun) -> tuple[Erratum, ...]:
+    """All errata in the paper's order, with numbers from the run of the walk-through."""
+    return (*_of_curvature(run), *_of_doors(), *_of_search(), *_of_results(run))
 
 
-def arctan_wrong(walk: Walk) -> tuple[int, int]:
-    """How many candidates eq. 6 with arctan, as printed, takes for the other kind; and of how many."""
-    candidates, curvature = walk.get(Candidates), walk.get(Curvature)
+def arctan_mistakes(run: MethodRun) -> tuple[int, int]:
+    """How many candidates get the wrong sign from eq. 6 with arctan, as printed, and how many there are."""
+    candidates, curvature = run.get(Candidates), run.get(Curvature)
     forward, backward = (
         vector[candidates.sample].astype(np.float64) * (-1, 1) for vector in (curvature.forward, curvature.backward)
     )
@@ -50,23 +53,23 @@ def arctan_wrong(walk: Walk) -> tuple[int, int]:
     return int(((alpha < 0) != candidates.convex).sum()), len(candidates.sample)
 
 
-def _of_curvature(walk: Walk) -> Iterator[Slip]:
-    wrong, of = arctan_wrong(walk)
-    reach_m = paper().curvature.reach_m
-    yield Slip(
+def _of_curvature(run: MethodRun) -> Iterator[Erratum]:
+    wrong, of = arctan_mistakes(run)
+    reach_m = paper_pipeline().curvature.reach_m
+    yield Erratum(
         where="II.B, eq. 1 and 2",
         printed="K is the largest value for which the distance is more than U_k times the length",
         trouble="taken up to the first violation, noise on a wall ends it early; taken without a limit, the other "
         "walls of a small room come into it",
         here=f"the largest over the whole range, up to {reach_m:g} m of wall and half the contour",
     )
-    yield Slip(
+    yield Erratum(
         where="II.B, eq. 5",
         printed="rho is the inverse of the angle between f and b, and candidates have rho > 1/155",
         trouble="infinite where f and b are parallel, as at the tip of a wall; the unit is left out",
-        here=f"angles are compared, below {paper().candidates.angle_deg:g} degrees, and never their inverse",
+        here=f"angles are compared, below {paper_pipeline().candidates.angle_deg:g} degrees, and never their inverse",
     )
-    yield Slip(
+    yield Erratum(
         where="II.B, eq. 6",
         printed="alpha = arctan(f_y / f_x) - arctan(b_y / b_x), with ranges up to 360 degrees",
         trouble="arctan has only half of the directions and so can never reach those ranges: of the walk-through's "
@@ -75,17 +78,17 @@ def _of_curvature(walk: Walk) -> Iterator[Slip]:
     )
 
 
-def _of_doors() -> Iterator[Slip]:
-    doors = paper().doors
+def _of_doors() -> Iterator[Erratum]:
+    doors = paper_pipeline().doors
     assert isinstance(doors, ProposeDoors)
-    yield Slip(
+    yield Erratum(
         where="II.C",
         printed="a door from a single convex corner to the closest boundary",
         trouble="what is closest is the corner's own wall",
         here="closest of what is further away along the wall than "
         f"{doors.single_detour:g} times the door's length; only for corners without a pair",
     )
-    yield Slip(
+    yield Erratum(
         where="II.C",
         printed="an edge represents how neighbouring nodes are connected",
         trouble="virtual doors cross (Fig. 3g), and then one may border more than two nodes",
@@ -93,23 +96,23 @@ def _of_doors() -> Iterator[Slip]:
     )
 
 
-def _of_search() -> Iterator[Slip]:
+def _of_search() -> Iterator[Erratum]:
     evaluations = PRINTED_GENERATION * POPULATION
-    search = paper().search
+    search = paper_pipeline().search
     assert isinstance(search, GeneticSearch)
-    yield Slip(
+    yield Erratum(
         where="III",
         printed="50 x 30 strings at most, but the process ends with the fiftieth generation",
         trouble="population times generations is 50 x 50",
         here=f"{search.generations} generations of {search.population}",
     )
-    yield Slip(
+    yield Erratum(
         where="III, eq. 7",
         printed="DegSD is the standard deviation of the doors' angles to the nearer axis",
         trouble="about their mean, doors that all lean the same way would cost nothing",
         here="root mean square about 0; 0 with no doors. AreaSD likewise about the room threshold, as printed",
     )
-    yield Slip(
+    yield Erratum(
         where="IV",
         printed="optimum after the 9th generation of 2^16 choices: the load decreased to about 1/2^9",
         trouble=f"9 x 50 = {evaluations} strings of 65,536 are 1/2^{-log2_load(evaluations, PRINTED_EDGES):.1f}; with "
@@ -118,9 +121,9 @@ def _of_search() -> Iterator[Slip]:
     )
 
 
-def _of_results(walk: Walk) -> Iterator[Slip]:
-    counts = walk.counts
-    yield Slip(
+def _of_results(run: MethodRun) -> Iterator[Erratum]:
+    counts = run.counts
+    yield Erratum(
         where="IV, Fig. 5d",
         printed="43 concave and 35 convex corners",
         trouble="on a connected right-angled map the former less the latter is 4 - 4 x islands, at most 4, and not 8: "
@@ -129,14 +132,14 @@ def _of_results(walk: Walk) -> Iterator[Slip]:
         f"{counts.convex_turns} times convex around {counts.islands} islands, of which {counts.concave_corners} and "
         f"{counts.convex_corners} are found",
     )
-    yield Slip(
+    yield Erratum(
         where="IV, Fig. 5e",
         printed="18 nodes and 16 edges",
         trouble="nodes are 1 + doors + crossings - islands tied in: 16 doors that do not cross part at most 17",
         here=f"crossing doors are allowed; here {counts.nodes} nodes of {counts.edges} edges, of which "
         f"{counts.edges_of_many} border more than two nodes",
     )
-    yield Slip(
+    yield Erratum(
         where="IV, Table I",
         printed="accuracy is the ratio of extracted virtual doors to matched real doors",
         trouble="that grows with the doors that match none; the table's head and numbers are matched / virtual",
@@ -145,8 +148,8 @@ def _of_results(walk: Walk) -> Iterator[Slip]:
 
 
 def unprinted() -> tuple[Unprinted, ...]:
-    """What had to be settled, and how; preset `paper` has it as settings."""
-    preset = paper()
+    """All that the paper leaves open, with what is used here; preset `paper` has it as settings."""
+    preset = paper_pipeline()
     search, cost, simplify = preset.search, preset.cost, preset.simplify
     assert isinstance(search, GeneticSearch)
     assert isinstance(cost, MapCost)
