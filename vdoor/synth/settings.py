@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from vdoor.config import check_range
 from vdoor.errors import SettingError
 from vdoor.synth.canvas import FINE_M, LATTICE_M, lattice_range
 
