@@ -210,7 +210,7 @@ def test_a_picture_shows_doors_and_rooms(results: Path, tmp_path: Path) -> None:
         for entity in ("/evaluation/doors/hits", "/evaluation/found/rooms", "/figures")
     }
     assert rows == {"/evaluation/doors/hits": 2, "/evaluation/found/rooms": 3, "/figures": 2}
-    assert "exists already" in call("evaluate", results, "--reference", MAPS, "--save", path, code=2).stderr
+    assert "already exists" in call("evaluate", results, "--reference", MAPS, "--save", path, code=2).stderr
     try:
         pictures = list(shots(path, tabs=TABS, size=(800, 600)))
     except VdoorError as error:
