@@ -200,7 +200,7 @@ def test_references_without_segments_or_of_another_home_are_named(tmp_path: Path
     call("run", path, "--out", tmp_path / "out", "-q")
     for table, match in (
         (home(TWO_FLATS.replace("a", ".")), "reference: wanted segments, found none"),
-        (home("a"), "reference: wanted 37 x 12 cells as the map, found 5 x 5 cells"),
+        (home("a"), "reference: wanted 37 x 12 cells like the map, found 5 x 5 cells"),
         (home(TWO_FLATS) | {"entities": 5}, "reference: entities: wanted a list, found 5"),
     ):
         other = write_home(tmp_path / "other.json", table)
