@@ -46,8 +46,8 @@ def carried_over(
     """The pipeline with edits that give rooms the ids and names of an older run, and the match of the two maps' rooms.
 
     This runs the pipeline once and, with `edits_too`, again if the older run has edits that change rooms or doors.
-    These are carried over first, shifted to the new map's frame. Ids and names from the pipeline's own edits are kept. The
-    pipeline is prepared for the map if it is not yet.
+    These are carried over first, shifted to the new map's frame. Ids and names from the pipeline's own edits are kept.
+    The pipeline is prepared for the map if it is not yet.
     """
     pipeline = prepared(pipeline, grid).pipeline
     topology, edits = _run(pipeline, grid, seed)
