@@ -126,7 +126,7 @@ def test_edit_that_is_done_already_is_not_kept(result: Path, command: recorded.C
         (("rename", "R", "0000000001", "Hall"), "X,Y, found '0000000001'"),
         (("rename", "R", "-90,1", "Hall"), "none at -90,1"),
         (("rename", "R", "1", ""), "1 to 100 characters"),
-        (("rename", "R", "1", "a\nb"), "in a line"),
+        (("rename", "R", "1", "a\nb"), "one line"),
         (("merge", "R", "1", "4"), "rooms do not touch"),
         (("merge", "R", "1", at(1)), "wanted two rooms, found room 1 twice"),
         (("split", "R", "-9,1", "-9,2"), "no room there"),

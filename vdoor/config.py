@@ -107,7 +107,7 @@ def _strings(value: Any, place: str) -> tuple[str, ...]:
 
 def _kind(default: Any) -> str:
     names = {bool: "true or false", int: "a whole number", float: "a finite number", tuple: "a list of finite numbers"}
-    return names.get(type(default), "text")
+    return names.get(type(default), "a string")
 
 
 def _check_name(name: str, known: Iterable[str], place: str, what: str) -> None:
