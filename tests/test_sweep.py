@@ -405,7 +405,7 @@ def test_command_goes_on_where_a_map_fails(command: recorded.Command) -> None:
     assert told.code == 0
     assert [line.split()[0] for line in told.out.splitlines()[2:]] == ["0.2*", "7"]
     assert told.out.splitlines()[-1].split()[-1] == "2"
-    assert "note: apartment_1000 failed: the map has no free cell at 7 m a cell" in told.err
+    assert "note: apartment_1000 failed: the map has no free cell at 7 m per cell" in told.err
     assert "1 of 2: simplify.cell_m=0.2: door F1 1.000" in told.err
 
 
