@@ -251,7 +251,7 @@ WRONG_REFERENCES: list[tuple[str, object, str]] = [
     ("cut.npy", b"\x93NUMPY\x01\x00v\x00{'descr': '<i4', 'fortran_order': False", "damaged"),
     ("text.npy", b"hello", "damaged"),
     ("cut.png", b"\x89PNG\r\n\x1a\n", "image: wanted"),
-    ("cut.json", b'{"doors": [', "JSON: wanted a whole file"),
+    ("cut.json", b'{"doors": [', "JSON: wanted a complete file"),
     ("list.json", [1, 2], "JSON: wanted an object, found a list"),
     ("empty.json", {}, "wanted doors, or maps with doors, found none"),
     ("word.json", {"doors": "many"}, "wanted a list of doors, found a str"),

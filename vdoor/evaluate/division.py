@@ -101,8 +101,8 @@ def _result_map(folder: Path, name: str, choice: MapChoice) -> tuple[OccupancyGr
     except (KeyError, TypeError, ValueError) as error:
         raise VdoorError(f"result: wanted resolution_m and origin, found none: {folder / 'map.json'}") from error
     if choice.resolution_m is not None and not math.isclose(choice.resolution_m, resolution_m, rel_tol=1e-9):
-        asked = f"{choice.resolution_m:g} m per cell as requested"
-        raise VdoorError(f"resolution: wanted {asked}, found {resolution_m:g} m: {folder / 'map.json'}")
+        requested = f"{choice.resolution_m:g} m per cell as requested"
+        raise VdoorError(f"resolution: wanted {requested}, found {resolution_m:g} m: {folder / 'map.json'}")
     if choice.path is not None:
         return MapChoice(path=choice.path, resolution_m=resolution_m, free_from=choice.free_from).read(name)
     own = read_map(folder / "grid.png", resolution_m=resolution_m)

@@ -71,7 +71,7 @@ def read_table(path: Path) -> dict[str, Any]:
     try:
         table = json.loads(read_bytes(path))
     except (UnicodeDecodeError, json.JSONDecodeError, RecursionError) as error:
-        raise VdoorError(f"JSON: wanted a whole file, found a damaged one: {path}") from error
+        raise VdoorError(f"JSON: wanted a complete file, found a damaged one: {path}") from error
     if not isinstance(table, dict):
         raise VdoorError(f"JSON: wanted an object, found a {type(table).__name__}: {path}")
     return table

@@ -103,10 +103,10 @@ def checked_resolution_m(value: object) -> float:
     raise MapError(f"resolution: wanted {FINEST_M} to {COARSEST_M:g} m per cell, found {shown(value)}")
 
 
-def agreed_resolution_m(written_m: float, said_m: float | None) -> float:
+def agreed_resolution_m(written_m: float, requested_m: float | None) -> float:
     """The file's resolution in metres per cell; raises MapError if the user's is different."""
-    if said_m is not None and not math.isclose(written_m, said_m, rel_tol=1e-9):
-        raise MapError(f"resolution: wanted {said_m:g} m per cell as requested, found {written_m:g} m")
+    if requested_m is not None and not math.isclose(written_m, requested_m, rel_tol=1e-9):
+        raise MapError(f"resolution: wanted {requested_m:g} m per cell as requested, found {written_m:g} m")
     return written_m
 
 

@@ -47,8 +47,8 @@ def read(request: Request) -> OccupancyGrid:
         cells = _cells(home, _crop(home, max_cells=request.max_cells))
     for at, layer in enumerate(home.layers):
         found = int(layer.runs[:, 2].sum())
-        if layer.said_cells not in (None, found):
-            request.note(f"layers[{at}].dimensions: {layer.said_cells} cells declared, {found} found", name)
+        if layer.declared_cells not in (None, found):
+            request.note(f"layers[{at}].dimensions: {layer.declared_cells} cells declared, {found} found", name)
     return OccupancyGrid.from_array(cells, resolution_m, source=request.source)
 
 

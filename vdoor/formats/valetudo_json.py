@@ -36,7 +36,7 @@ class Layer:
     """Runs of cells (k, 3): x, y of the first cell, and the number of cells to the right."""
     segment_id: str = ""
     name: str = ""
-    said_cells: int | None = None
+    declared_cells: int | None = None
     """The number of cells according to the layer's metadata; None if not given."""
 
 
@@ -106,9 +106,9 @@ def _layer(value: object, place: str, sides: list[float]) -> Layer:
     if len(runs) and (first.min() < 0 or (last.max(axis=0) >= sides).any()):
         found = f"x {first[:, 0].min()} to {last[:, 0].max()}, y {first[:, 1].min()} to {last[:, 1].max()}"
         raise MapError(f"{place}: wanted cells within the map's size, found {found}")
-    said = table.get("dimensions")
-    cells = said.get("pixelCount") if isinstance(said, dict) else None
-    layer = Layer(kind=kind, runs=runs, said_cells=cells if isinstance(cells, int) else None)
+    dimensions = table.get("dimensions")
+    cells = dimensions.get("pixelCount") if isinstance(dimensions, dict) else None
+    layer = Layer(kind=kind, runs=runs, declared_cells=cells if isinstance(cells, int) else None)
     if kind != "segment":
         return layer
     about = _value(table, "metaData", dict, place=f"{place}.")

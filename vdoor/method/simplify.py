@@ -213,12 +213,12 @@ def resampled(grid: OccupancyGrid, factor: int) -> NDArray[np.int8]:
     return cells
 
 
-def wide_enough(labels: NDArray[np.int32], asked: Mask, width: float) -> Mask:
-    """Which of the labels `asked` (count + 1,) fit a square of `width` cells; hollow furniture does not."""
+def wide_enough(labels: NDArray[np.int32], chosen: Mask, width: float) -> Mask:
+    """Which of the labels `chosen` (count + 1,) fit a square of `width` cells; hollow furniture does not."""
     side = max(1, round(width))
-    padded = np.pad(asked[labels], 1).view(np.uint8)
+    padded = np.pad(chosen[labels], 1).view(np.uint8)
     inner = ndimage.minimum_filter(padded, side, mode="constant", cval=0)[1:-1, 1:-1] > 0
-    found = np.zeros(len(asked), np.bool_)
+    found = np.zeros(len(chosen), np.bool_)
     found[np.unique(labels[inner])] = True
     return found
 
@@ -235,10 +235,10 @@ def thin_unknown(cells: NDArray[np.int8], thick: int, longest: int) -> Mask:
     around = np.pad(cells, 1, constant_values=UNKNOWN)
     near = np.stack([around[row + down, col + right] for down, right in AROUND])
     free = (near == FREE).sum(axis=0)
-    mended = np.zeros(cells.shape, np.bool_)
+    cleared = np.zeros(cells.shape, np.bool_)
     enough = free >= SURE_SHARE * near.shape[0]
-    mended[row[enough], col[enough]] = True
-    return mended & ~long_pieces(mended, longest, connectivity=2)
+    cleared[row[enough], col[enough]] = True
+    return cleared & ~long_pieces(cleared, longest, connectivity=2)
 
 
 def small_islands(free: Mask, size: int) -> Mask:
