@@ -129,20 +129,21 @@ def test_a_topic_is_chosen_by_name(tmp_path: Path) -> None:
     path = bare_mcap(tmp_path / "bag.mcap", [*mapped(topic="/a"), ("/b", 99, grid_message(OLD))])
     check(read_map(path, topic="/a"), "/a")
     assert np.array_equal(read_map(path, topic="/b").cells, OLD)
-    for topic, found in ((None, "several to choose from with --topic"), ("/chatter", "'/chatter'"), ("/x", "'/x'")):
+    for topic, found in ((None, r"none selected \(--topic selects one\)"), ("/chatter", "'/chatter'"), ("/x", "'/x'")):
         with pytest.raises(MapError, match=rf"topic: wanted one of '/a', '/b', found {found}: {path}"):
             read_map(path, topic=topic)
 
 
 def test_the_usual_topic_is_taken_and_said(tmp_path: Path) -> None:
     path = bare_mcap(tmp_path / "bag.mcap", [*mapped(), ("/costmap", 99, grid_message(OLD))])
-    with pytest.warns(MapWarning, match=r"^topic: /map taken of '/costmap', '/map' \(--topic chooses\): .*bag\.mcap$"):
+    note = r"^topic: using /map of '/costmap', '/map' \(--topic selects another\): .*bag\.mcap$"
+    with pytest.warns(MapWarning, match=note):
         check(read_map(path))
 
 
 def test_a_topic_is_of_use_to_bags_alone(tmp_path: Path) -> None:
     (tmp_path / "map.pgm").write_bytes(b"P5 1 1 255 \xfe")
-    with pytest.raises(MapError, match=r"--topic: wanted a bag to choose from, found a \.pgm: .*map\.pgm$"):
+    with pytest.raises(MapError, match=r"--topic: wanted a bag, found a \.pgm: .*map\.pgm$"):
         read_map(tmp_path / "map.pgm", topic="/map")
 
 
@@ -154,13 +155,13 @@ def test_a_topic_is_of_use_to_bags_alone(tmp_path: Path) -> None:
 def test_the_turn_is_read_from_a_quaternion_of_any_length(tmp_path: Path, yaw_rad: float, length: float) -> None:
     x, y, z, w = (part * length for part in turned(yaw_rad))
     path = bare_mcap(tmp_path / "bag.mcap", [("/map", 1, grid_message(NEW, turn=(x, y, z, w)))])
-    with pytest.warns(MapWarning, match="the map is turned by"):
+    with pytest.warns(MapWarning, match="the map is rotated by"):
         assert read_map(path).frame.yaw_rad == pytest.approx(yaw_rad)
 
 
 @pytest.mark.parametrize(
     ("turn", "note"),
-    [((0.0, 0.0, 0.0, 0.0), "quaternion is all zeros, read as not turned"), ((0.1, 0.0, 0.0, 1.0), "the map leans")],
+    [((0.0, 0.0, 0.0, 0.0), "quaternion is all zeros, using no rotation"), ((0.1, 0.0, 0.0, 1.0), "the map is tilted")],
 )
 def test_odd_turns_are_said(tmp_path: Path, turn: tuple[float, float, float, float], note: str) -> None:
     path = bare_mcap(tmp_path / "bag.mcap", [("/map", 1, grid_message(NEW, turn=turn))])
@@ -174,7 +175,7 @@ def test_the_resolution_is_what_single_precision_was_made_of(tmp_path: Path, res
     found_m = read_map(path).frame.resolution_m
     assert np.float32(found_m) == np.float32(resolution_m)
     assert resolution_m in (found_m, 1 / 3)
-    with pytest.raises(MapError, match=r"resolution: wanted 7 m a cell as asked for, found"):
+    with pytest.raises(MapError, match=r"resolution: wanted 7 m per cell as requested, found"):
         read_map(path, resolution_m=7.0)
 
 
@@ -196,7 +197,7 @@ def test_a_recording_gives_the_files_it_was_made_of(tmp_path: Path) -> None:
 
 
 def test_options_are_laid_over_those_of_a_recording() -> None:
-    with pytest.raises(MapError, match=r"resolution: wanted 0.3 m a cell as asked for, found 0.2 m: .*plain\.mcap$"):
+    with pytest.raises(MapError, match=r"resolution: wanted 0.3 m per cell as requested, found 0.2 m: .*plain\.mcap$"):
         read_map(GOLDEN / "plain.mcap", resolution_m=0.3)
     assert read_map(GOLDEN / "crossing.mcap", resolution_m=0.3).frame.resolution_m == 0.3
     assert read_map(GOLDEN / "crossing.mcap", topic="/vdoor/simplified/cells").source.files[0][0] == "crossing.cdr"
@@ -224,8 +225,8 @@ def altered(**changes: Any) -> Any:
         (altered(width=2**31, height=2**31), "size: wanted at most 100000000 cells"),
         (altered(data=np.full(12, -2, np.int8)), "message: wanted values of -1 to 100, found -2 to -2"),
         (altered(data=np.full(12, 101, np.int8)), "message: wanted values of -1 to 100, found 101 to 101"),
-        (altered(resolution=0.0), "resolution: wanted 0.0001 to 100 m a cell, found 0.0"),
-        (altered(resolution=float("nan")), "resolution: wanted 0.0001 to 100 m a cell, found nan"),
+        (altered(resolution=0.0), "resolution: wanted 0.0001 to 100 m per cell, found 0.0"),
+        (altered(resolution=float("nan")), "resolution: wanted 0.0001 to 100 m per cell, found nan"),
         (grid_message(NEW, at_m=(float("inf"), 0.0)), "origin: wanted finite coordinates, found inf, 0"),
         (grid_message(NEW, turn=(0.0, 0.0, float("nan"), 1.0)), "origin: wanted a finite quaternion"),
     ],
@@ -237,12 +238,12 @@ def test_what_is_no_map_is_named(message: Any, match: str) -> None:
 
 def test_damaged_messages_and_useless_options_are_named() -> None:
     refused(
-        Source((("map.cdr", packed(grid_message(NEW))[:-1]),)), "message: wanted a whole nav_msgs/msg/OccupancyGrid"
+        Source((("map.cdr", packed(grid_message(NEW))[:-1]),)), "message: wanted a complete nav_msgs/msg/OccupancyGrid"
     )
-    refused(Source((("map.cdr", b"nothing"),)), "message: wanted a whole nav_msgs/msg/OccupancyGrid")
+    refused(Source((("map.cdr", b"nothing"),)), "message: wanted a complete nav_msgs/msg/OccupancyGrid")
     refused(message_source(grid_message(NEW), unknown_value=205), "unknown value: wanted none for a message")
     refused(message_source(grid_message(NEW)), "size: wanted at most 11 cells, found 4 x 3", max_cells=11)
-    refused(Source((("map.mcap", b"x"),)), "map: wanted what is kept of a bag, found a bag: map.mcap")
+    refused(Source((("map.mcap", b"x"),)), "map: wanted the stored part of a bag, found a bag: map.mcap")
 
 
 def says(path: Path, match: str, **options: Any) -> None:
@@ -261,14 +262,14 @@ def test_files_that_are_no_bags_are_named(tmp_path: Path, suffix: str) -> None:
     says(path, "file: wanted a map, found none")
     for data in (b"", b"x", b"x" * 10_000):
         path.write_bytes(data)
-        says(path, "bag: wanted a whole file, found a damaged one (")
+        says(path, "bag: wanted a complete file, found a damaged one (")
 
 
 def test_bags_without_a_map_are_named(tmp_path: Path) -> None:
     none = "topic: wanted one of type nav_msgs/msg/OccupancyGrid, found none among 1 topics"
     says(bare_mcap(tmp_path / "chatter.mcap", [("/chatter", 1, text_message("x"))]), none)
     folder = ros2_bag(tmp_path / "packed", mapped(), MCAP, CompressionMode.FILE)
-    says(folder, "bag: wanted .mcap or .db3 files, found packed ones")
+    says(folder, "bag: wanted .mcap or .db3 files, found compressed ones")
     (tmp_path / "empty").mkdir()
     says(tmp_path / "empty", "file: wanted a map, found a folder")
     (tmp_path / "empty" / "metadata.yaml").touch()
@@ -294,7 +295,7 @@ def test_what_unpacks_to_very_much_is_refused(tmp_path: Path, kind: str) -> None
     assert path.stat().st_size < 1_000_000
     tracemalloc.start()
     try:
-        says(path, "wanted at most 33555432 when unpacked (--max-cells raises it), found more", max_cells=LITTLE)
+        says(path, "wanted at most 33555432 bytes decompressed (--max-cells raises it), found more", max_cells=LITTLE)
         assert tracemalloc.get_traced_memory()[1] < 120_000_000
     finally:
         tracemalloc.stop()

@@ -62,8 +62,8 @@ def weighing(problem: MergeProblem, *, further_bias: float, lack_weight: float =
 
 
 def parts(problem: MergeProblem, removed: np.ndarray[tuple[int], np.dtype[np.bool_]]) -> list[bool]:
-    """Which kept doors part rooms."""
-    return list(problem.parting(removed[None], problem.rooms(removed[None])[0])[0][0])
+    """Which kept doors separate rooms."""
+    return list(problem.separating(removed[None], problem.rooms(removed[None])[0])[0][0])
 
 
 def test_of_two_doors_between_the_same_rooms_one_counts_as_a_further_one() -> None:

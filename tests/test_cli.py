@@ -163,7 +163,7 @@ def test_force_overwrites(tmp_path: Path) -> None:
         (["run", FLAT, "--save", "missing/folder/out.rrd"], "missing/folder"),
         (["run", FLAT, "--mcap", "same", "--save", "same"], "twice"),
         (["run", FLAT, "--save", ""], "file name"),
-        (["run", FLAT, "--save", "x" * 300], "that name"),
+        (["run", FLAT, "--save", "x" * 300], "invalid file name"),
         (["run", FLAT, "--mcap", FLAT, "--force"], "input"),
         (["run", FLAT, "--mcap", "/dev/null", "--force"], "device"),
         (["run", FLAT, "--connect", "http://[::1"], "HOST:PORT"),

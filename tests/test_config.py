@@ -169,7 +169,7 @@ def test_a_stage_may_be_any_dataclass() -> None:
         stage: Stage = Stage()
 
     assert with_settings(Whole(), {"stage": {"name": "b", "on": True}}, {}) == Whole(Stage("b", on=True))
-    with pytest.raises(SettingError, match=r"settings: stage\.name: wanted text, found 1"):
+    with pytest.raises(SettingError, match=r"settings: stage\.name: wanted a string, found 1"):
         with_settings(Whole(), {"stage": {"name": 1}}, {})
     with pytest.raises(SettingError, match=r"settings: stage\.on: wanted true or false, found 1"):
         with_settings(Whole(), {"stage": {"on": 1}}, {})

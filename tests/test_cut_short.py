@@ -152,7 +152,7 @@ def test_a_damaged_recording_is_not_taken_for_a_map_without_its_files(fine: Path
     whole[at + 1 + 7] = 1  # the first chunk's length is beyond all ends; the index behind still finds it
     (tmp_path / "damaged.mcap").write_bytes(whole)
     done = call("run", tmp_path / "damaged.mcap", code=2)
-    assert "recording: damaged, its source files: fine.yaml, fine.pgm cannot be read" in one_line(done)
+    assert "recording: damaged, cannot read its source files: fine.yaml, fine.pgm" in one_line(done)
 
 
 # --- the map's files

@@ -344,7 +344,7 @@ def test_a_file_without_curves_is_refused(tmp_path: Path, text: str) -> None:
 def test_a_file_of_one_look_says_what_it_lacks(tmp_path: Path) -> None:
     path = tmp_path / "curves.json"
     path.write_text(json.dumps({**table_of(model_named("shipped"))["last"], "made": {}}))
-    with pytest.raises(SettingError, match="found none called 'first'"):
+    with pytest.raises(SettingError, match="found no key 'first'"):
         model_named(str(path))
 
 

@@ -210,7 +210,7 @@ def test_a_picture_shows_doors_and_rooms(results: Path, tmp_path: Path) -> None:
         for entity in ("/evaluation/doors/hits", "/evaluation/found/rooms", "/figures")
     }
     assert rows == {"/evaluation/doors/hits": 2, "/evaluation/found/rooms": 3, "/figures": 2}
-    assert "exists already" in call("evaluate", results, "--reference", MAPS, "--save", path, code=2).stderr
+    assert "already exists" in call("evaluate", results, "--reference", MAPS, "--save", path, code=2).stderr
     try:
         pictures = list(shots(path, tabs=TABS, size=(800, 600)))
     except VdoorError as error:
@@ -245,21 +245,21 @@ def written(path: Path, content: object) -> Path:
 
 
 WRONG_REFERENCES: list[tuple[str, object, str]] = [
-    ("small.npy", np.ones((4, 4), np.int32), "wanted 126 x 44 cells as the map, found 4 x 4 cells"),
-    ("real.npy", np.ones((44, 126)), "whole numbers in 2 dimensions"),
-    ("deep.npy", np.ones((4, 4, 4), int), "whole numbers in 2 dimensions"),
+    ("small.npy", np.ones((4, 4), np.int32), "wanted 126 x 44 cells like the map, found 4 x 4 cells"),
+    ("real.npy", np.ones((44, 126)), "integers in 2 dimensions"),
+    ("deep.npy", np.ones((4, 4, 4), int), "integers in 2 dimensions"),
     ("cut.npy", b"\x93NUMPY\x01\x00v\x00{'descr': '<i4', 'fortran_order': False", "damaged"),
     ("text.npy", b"hello", "damaged"),
     ("cut.png", b"\x89PNG\r\n\x1a\n", "image: wanted"),
-    ("cut.json", b'{"doors": [', "JSON: wanted a whole file"),
+    ("cut.json", b'{"doors": [', "JSON: wanted a complete file"),
     ("list.json", [1, 2], "JSON: wanted an object, found a list"),
     ("empty.json", {}, "wanted doors, or maps with doors, found none"),
     ("word.json", {"doors": "many"}, "wanted a list of doors, found a str"),
     ("short.json", {"doors": [{"x1": 1, "y1": 2, "x2": 3}]}, r"doors[0]: wanted numbers x1, y1, x2, y2"),
     ("nan.json", b'{"doors": [{"x1": NaN, "y1": 2, "x2": 3, "y2": 4}]}', r"doors[0]: wanted numbers"),
     ("ignore.json", {"doors": [], "ignore": [7]}, r"ignore[0]: wanted numbers"),
-    ("size.json", {"schema": 1, "size": {"width": 3, "height": 4}}, "wanted 126 x 44 cells as the map"),
-    ("cell.json", {"schema": 1, "size": {"width": 126, "height": 44}}, "wanted 0.05 m a cell as the map, found None"),
+    ("size.json", {"schema": 1, "size": {"width": 3, "height": 4}}, "wanted 126 x 44 cells like the map"),
+    ("cell.json", {"schema": 1, "size": {"width": 126, "height": 44}}, "wanted 0.05 m per cell like the map, found"),
     (
         "ends.json",
         {"schema": 1, "size": {"width": 126, "height": 44}, "resolution_m": 0.05, "doors": [{}]},
@@ -299,15 +299,15 @@ def test_wrong_results_are_one_line(results: Path, tmp_path: Path) -> None:
         (found, truth, own, "--map: wanted the map"),
         (tmp_path / "none.npy", truth, flat, "wanted a .npy, found none"),
         (tmp_path / "none.png", truth, flat, "cannot be read"),
-        (tmp_path / "eight.png", truth, flat, "wanted a PNG of 16 bits grey, found one of 8"),
+        (tmp_path / "eight.png", truth, flat, "wanted a 16-bit grey PNG, found an 8-bit one"),
         (found, truth, empty, "wanted one named found"),
         (found, truth, other, "labels: wanted"),
         (tmp_path / "empty", truth, own, "result: wanted rooms.png, or results"),
         (results / "fine", tmp_path / "empty", own, "reference: wanted label images or JSON"),
         (results / "fine", tmp_path / "gone.png", own, "cannot be read"),
-        (results / "fine", MAPS / "flat_truth.json", own, "cells as the map, found"),
+        (results / "fine", MAPS / "flat_truth.json", own, "cells like the map, found"),
         (tmp_path / "broken", MAPS / "fine_truth.png", own, "result: wanted resolution_m and origin"),
-        (results / "fine", MAPS, coarse, "wanted 0.1 m a cell as asked for, found 0.05"),
+        (results / "fine", MAPS, coarse, "wanted 0.1 m per cell as requested, found 0.05"),
         (results / "fine", MAPS, yaml, "--free-from: wanted a map that is a plain image"),
     ):
         with pytest.raises(VdoorError, match=re.escape(message)) as raised:

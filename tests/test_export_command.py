@@ -238,7 +238,7 @@ def test_a_label_image_of_another_map_is_refused(result: Path, refused: Refused)
     assert "cells, found" in spoilt(labels[1:].copy())
     assert "in both" in spoilt(np.where(labels == 2, 0, labels).astype(np.uint16))
     assert "in both" in spoilt(np.zeros_like(labels))
-    assert "16 bits" in spoilt(labels.astype(np.uint8))
+    assert "16-bit" in spoilt(labels.astype(np.uint8))
     room = np.argwhere(labels == 2)
     parted = labels.copy()
     parted[room[:, 0].min() + 3, :] *= labels[room[:, 0].min() + 3, :] != 2

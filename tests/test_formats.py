@@ -244,21 +244,21 @@ def test_the_frame_is_the_yamls(tmp_path: Path) -> None:
 
 def test_a_turned_map_keeps_its_yaw_with_a_warning(tmp_path: Path) -> None:
     write_pgm(tmp_path, [[0]])
-    with pytest.warns(MapWarning, match=r"turned by 3\.14 rad.*map\.yaml$"):
+    with pytest.warns(MapWarning, match=r"rotated by 3\.14 rad.*map\.yaml$"):
         assert read_map(write_yaml(tmp_path, origin="[25.9, 48.5, 3.14]")).frame.yaw_rad == 3.14
 
 
 @pytest.mark.parametrize("word", ["nan", ".nan", ".NaN", "NAN"])
 def test_a_yaw_of_nan_is_read_as_0_with_a_warning(tmp_path: Path, word: str) -> None:
     write_pgm(tmp_path, [[0]])
-    with pytest.warns(MapWarning, match="yaw is nan, read as 0"):
+    with pytest.warns(MapWarning, match="yaw is nan, using 0"):
         assert read_map(write_yaml(tmp_path, origin=f"[0, 0, {word}]")).frame.yaw_rad == 0.0
 
 
 def test_without_any_resolution_it_is_5_cm_with_a_warning(tmp_path: Path) -> None:
     np.save(tmp_path / "map.npy", np.zeros((1, 1), np.int8))
     for path in (write_pgm(tmp_path, [[255]]), tmp_path / "map.npy"):
-        with pytest.warns(MapWarning, match=r"0\.05 m a cell taken \(--resolution") as caught:
+        with pytest.warns(MapWarning, match=r"0\.05 m per cell \(--resolution") as caught:
             assert read_map(path).frame.resolution_m == 0.05
         assert caught[0].filename == __file__
 
@@ -267,20 +267,20 @@ def test_a_resolution_must_agree_with_the_yaml(tmp_path: Path) -> None:
     write_pgm(tmp_path, [[255]])
     path = write_yaml(tmp_path, resolution="0.0500000")
     assert read_map(path, resolution_m=0.05).frame.resolution_m == 0.05
-    with pytest.raises(MapError, match=r"wanted 0\.1 m a cell as asked for, found 0\.05 m: .*map\.yaml$"):
+    with pytest.raises(MapError, match=r"wanted 0\.1 m per cell as requested, found 0\.05 m: .*map\.yaml$"):
         read_map(path, resolution_m=0.1)
 
 
 def test_unknown_cells_read_as_free_are_warned_of_and_can_be_kept_unknown(tmp_path: Path) -> None:
     write_pgm(tmp_path, [[0, 205, 205, 204, 254]])
     path = write_yaml(tmp_path, free_thresh="0.25")
-    with pytest.warns(MapWarning, match=r"205.* reads as free in 2 cells .*--unknown-value 205"):
+    with pytest.warns(MapWarning, match=r"205.* is read as free in 2 cells .*--unknown-value 205"):
         assert read_map(path).cells.tolist() == [[100, 0, 0, 0, 0]]
     assert read_map(path, unknown_value=205).cells.tolist() == [[100, -1, -1, 0, 0]]
 
 
 def test_scale_rounds_grey_205_down_to_free_and_is_warned_of(tmp_path: Path) -> None:
-    with pytest.warns(MapWarning, match="reads as free in 1 cells in mode scale with free_thresh 0.196"):
+    with pytest.warns(MapWarning, match="is read as free in 1 cells in mode scale with free_thresh 0.196"):
         assert cells_of(tmp_path, [[205]], mode="scale") == [[0]]
 
 

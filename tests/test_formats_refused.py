@@ -115,7 +115,7 @@ def test_an_empty_file_is_no_map(name: str) -> None:
 
 
 def test_an_unknown_suffix_is_told_the_known_ones() -> None:
-    refused(one("map.doc", PGM), "wanted a file that ends in .yaml, .yml, .pgm")
+    refused(one("map.doc", PGM), "wanted a file ending in .yaml, .yml, .pgm")
     refused(one("map", PGM), "found no suffix")
     refused(Source(), "wanted at least one")
 
@@ -125,7 +125,7 @@ def test_an_unknown_suffix_is_told_the_known_ones() -> None:
 
 @pytest.mark.parametrize("value", [0, -0.05, float("nan"), float("inf"), 1e9, 1e-9, "0.05", True])
 def test_a_resolution_no_map_can_have(value: Any) -> None:
-    refused(one("map.pgm", PGM, resolution_m=value), "resolution: wanted 0.0001 to 100 m a cell")
+    refused(one("map.pgm", PGM, resolution_m=value), "resolution: wanted 0.0001 to 100 m per cell")
 
 
 @pytest.mark.parametrize("value", [-1, 256, 2.5, "205", True])
@@ -152,9 +152,9 @@ def test_every_required_key_is_missed(key: str) -> None:
         ("image: ", "image: wanted the path of an image"),
         ("image: [a, b]", "image: wanted the path of an image, found a list of 2"),
         ("resolution: fine", "resolution: wanted a number, found 'fine'"),
-        ("resolution: 0", "resolution: wanted 0.0001 to 100 m a cell, found 0.0"),
-        ("resolution: nan", "resolution: wanted 0.0001 to 100 m a cell, found nan"),
-        ("resolution: .inf", "resolution: wanted 0.0001 to 100 m a cell, found inf"),
+        ("resolution: 0", "resolution: wanted 0.0001 to 100 m per cell, found 0.0"),
+        ("resolution: nan", "resolution: wanted 0.0001 to 100 m per cell, found nan"),
+        ("resolution: .inf", "resolution: wanted 0.0001 to 100 m per cell, found inf"),
         ("resolution: 1e400", "resolution: wanted"),
         ("resolution: {a: 1}", "resolution: wanted a number, found a table of 1"),
         ("origin: [0, 0]", "origin: wanted [x, y, yaw], found a list of 2"),
@@ -228,9 +228,9 @@ def test_tags_make_no_objects() -> None:
         (b"P6\n1 1\n255\n123", "image: wanted PGM, PNG, BMP or TIFF, found something else"),
         (b"hello", "image: wanted PGM, PNG, BMP or TIFF, found something else"),
         (image("L", "JPEG"), "image: wanted PGM, PNG, BMP or TIFF, found something else"),
-        (image("L", "PNG", (40, 30))[:600], "image: wanted a whole file, found a damaged one"),
-        (image("L", "BMP")[:-5], "image: wanted a whole file, found a damaged one"),
-        (image("F", "TIFF"), "image: wanted 1 to 16 bits a sample"),
+        (image("L", "PNG", (40, 30))[:600], "image: wanted a complete file, found a damaged one"),
+        (image("L", "BMP")[:-5], "image: wanted a complete file, found a damaged one"),
+        (image("F", "TIFF"), "image: wanted 1 to 16 bits per sample"),
     ],
     ids=numbered,
 )

@@ -103,7 +103,7 @@ def test_where_the_robot_is_taken_to_be_is_said(tmp_path: Path) -> None:
     path = write_home(tmp_path / "home.json", home(TWO_FLATS, robot_position=SMALL))
     assert "note: robot at 1.475,0.325, as the map's file says" in call("run", path).stderr
     path = write_home(tmp_path / "home.json", home(TWO_FLATS, robot_position=UNKNOWN))
-    assert "the robot's place in the map's file is not free" in call("run", path).stderr
+    assert "the robot's position in the map file is not free" in call("run", path).stderr
 
 
 def test_what_the_map_says_is_in_the_result(tmp_path: Path) -> None:
@@ -177,7 +177,7 @@ def test_a_recording_is_not_overwritten_by_a_run_on_it(tmp_path: Path) -> None:
     path = write_home(tmp_path / "home.json", home(TWO_FLATS))
     call("run", path, "--mcap", tmp_path / "a.mcap", "-q")
     done = call("run", tmp_path / "a.mcap", "--mcap", tmp_path / "a.mcap", "--force", code=2)
-    assert "wanted another name than the input's" in one_line(done)
+    assert "wanted a different name from the input's" in one_line(done)
     assert len([*read_recording(tmp_path / "a.mcap", types=RECORDS)]) > 5
 
 
@@ -200,7 +200,7 @@ def test_references_without_segments_or_of_another_home_are_named(tmp_path: Path
     call("run", path, "--out", tmp_path / "out", "-q")
     for table, match in (
         (home(TWO_FLATS.replace("a", ".")), "reference: wanted segments, found none"),
-        (home("a"), "reference: wanted 37 x 12 cells as the map, found 5 x 5 cells"),
+        (home("a"), "reference: wanted 37 x 12 cells like the map, found 5 x 5 cells"),
         (home(TWO_FLATS) | {"entities": 5}, "reference: entities: wanted a list, found 5"),
     ):
         other = write_home(tmp_path / "other.json", table)

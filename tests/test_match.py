@@ -259,7 +259,7 @@ def test_run_keeps_ids_and_names_on_record(source: str, older: Path, command: re
     assert {room["id"]: room["name"] for room in done.json["rooms"]} == {IDS[room]: NAMES[room] for room in NAMES}
     assert done.json["match"]["shift_m"] == pytest.approx([1.6, 1.0])
     assert [kept["id"] for kept in done.json["match"]["kept"]] == sorted(IDS.values())
-    assert "vdoor: the older map lies moved by 1.60,1.00 m, 100% of the rooms' area is in both\n" in done.err
+    assert "vdoor: the older map is shifted by 1.60,1.00 m; 100% of the rooms' area is in both maps\n" in done.err
     assert "vdoor: rooms kept: 1 Bath, 2 Bed, 7 Hall, 11 Kitchen, 30 Büro\n" in done.err
     assert json.loads((older / "new" / "map.json").read_text()) == done.json
     shutil.rmtree(older / "old")

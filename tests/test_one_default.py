@@ -156,7 +156,7 @@ def test_other_presets_and_a_place_that_is_set_are_one_as_well(tmp_path: Path, c
 
 def test_a_place_that_cannot_be_is_a_note_and_a_warning(tmp_path: Path) -> None:
     path = write_home(tmp_path / "home.json", two_homes(robot_position=NOWHERE))
-    told = "the robot's place in the map's file is not free; the largest free space is taken"
+    told = "the robot's position in the map file is not free; using the largest free space"
     assert call("run", path).stderr == f"vdoor: note: {told}\n"
     with pytest.warns(vdoor.MapWarning, match=told) as seen:
         vdoor.run(vdoor.read_map(path))

@@ -188,7 +188,7 @@ def test_existing_files_stay_without_force(tmp_path: Path) -> None:
     kept.write_text("mine")
     done = vdoor(*SMALL, "--out", tmp_path)
     assert (done.returncode, done.stdout) == (2, "")
-    assert done.stderr == f"vdoor: output: exists already, --force overwrites it: {kept}\n"
+    assert done.stderr == f"vdoor: output: already exists, --force overwrites it: {kept}\n"
     assert [path.name for path in tmp_path.iterdir()] == ["figure_5.png"]
     assert kept.read_text() == "mine"
 

@@ -145,5 +145,5 @@ def test_what_is_read_is_never_written_over(words: tuple[str, ...], tmp_path: Pa
     shutil.copy(tmp_path / "whole.mcap", tmp_path / "out.mcap.partial")
     names = {"REC": "out.mcap.partial", "OUT": "out.mcap"}
     said = refused(vdoor, *(names.get(word, word) for word in words), "--force")
-    assert "another name than the input's" in said
+    assert "a different name from the input's" in said
     assert (tmp_path / "out.mcap.partial").read_bytes() == before

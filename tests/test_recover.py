@@ -180,7 +180,7 @@ def test_a_file_that_is_there_is_overwritten_only_by_force_even_by_itself(tmp_pa
     whole = path.read_bytes()
     path.write_bytes(whole[:-30])
     done = vdoor("recover", path, "-o", path)
-    assert (done.code, done.err) == (2, f"vdoor: output: exists already, --force overwrites it: {path}\n")
+    assert (done.code, done.err) == (2, f"vdoor: output: already exists, --force overwrites it: {path}\n")
     assert vdoor("recover", path, "-o", path, "--force").code == 0
     assert path.read_bytes() == whole
 

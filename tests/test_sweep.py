@@ -405,7 +405,7 @@ def test_command_goes_on_where_a_map_fails(command: recorded.Command) -> None:
     assert told.code == 0
     assert [line.split()[0] for line in told.out.splitlines()[2:]] == ["0.2*", "7"]
     assert told.out.splitlines()[-1].split()[-1] == "2"
-    assert "note: apartment_1000 failed: the map has no free cell at 7 m a cell" in told.err
+    assert "note: apartment_1000 failed: the map has no free cell at 7 m per cell" in told.err
     assert "1 of 2: simplify.cell_m=0.2: door F1 1.000" in told.err
 
 
@@ -440,7 +440,7 @@ def test_what_the_method_lacks_is_left_out(command: recorded.Command, tmp_path: 
         (["seed=1", "--maps", "gone", "--reference", "gone", "--furnished"], "sweep: wanted either --maps or"),
         (["seed=1", "--only", "flat"], "sweep: wanted --maps beside options that say how maps are read, found none"),
         (["seed=1", "--maps", "gone", "--reference", "gone"], "maps: wanted a map, found none: gone"),
-        (["seed=1", "--png", str(RECORDINGS / "overview.png")], "output: exists already"),
+        (["seed=1", "--png", str(RECORDINGS / "overview.png")], "output: already exists"),
         (
             ["seed=1", "--png", "no/such/folder/s.png", "--apartments", "1"],
             "output: wanted a folder that is there, found none: no/such/folder",
@@ -461,7 +461,7 @@ def test_read_only_folder_is_told_before_anything_runs(
     monkeypatch.setattr(os, "access", lambda *_: False)  # root may write anywhere
     told = command("sweep", "seed=1", "--apartments", "1", "--save", tmp_path / "s.rrd")
     assert (told.code, told.out) == (2, "")
-    assert told.err.endswith(f": wanted a folder to write in, found a folder that is read-only: {tmp_path}\n")
+    assert told.err.endswith(f": wanted a writable folder, found a read-only folder: {tmp_path}\n")
 
 
 def test_missing_matplotlib_is_told_before_anything_runs(tmp_path: Path) -> None:

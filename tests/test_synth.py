@@ -336,5 +336,5 @@ def test_the_maps_in_the_repository_are_drawn_again_byte_for_byte(name: str, tmp
 
 def test_a_place_that_cannot_be_written_to_is_one_clear_line(tmp_path: Path) -> None:
     (tmp_path / "taken").write_text("")
-    with pytest.raises(VdoorError, match=r"cannot be made \(.*\): .*taken"):
+    with pytest.raises(VdoorError, match=r"cannot be created \(.*\): .*taken"):
         write_synthetic(made(PAPER, 0), tmp_path / "taken" / "flat")

@@ -457,7 +457,7 @@ def test_map_on_which_a_run_fails_is_named(trials: list[Trial]) -> None:
 
 def test_file_that_is_no_model_is_told_before_the_first_run(tmp_path: Path) -> None:
     (tmp_path / "curves.json").write_text("[]")
-    with pytest.raises(SettingError, match=r"score\.model: wanted curves"):
+    with pytest.raises(SettingError, match=r"score\.model: wanted a file from"):
         variants_with([tmp_path / "curves.json"])
 
 

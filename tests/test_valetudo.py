@@ -105,7 +105,7 @@ def test_other_formats_say_nothing_beside_their_cells() -> None:
 def test_what_is_not_understood_is_left_aside_and_doubtful_counts_are_said() -> None:
     table = home(path=[1, 2, 3, 4], obstacle=[1, 2], new_thing=["?"])  # type: ignore[list-item]  # of a kind to come
     table["layers"][0]["dimensions"] = {"x": {}, "pixelCount": 3}
-    with pytest.warns(MapWarning, match=r"layers\[0\]\.dimensions: 3 cells are said, 66 are there: home\.json"):
+    with pytest.warns(MapWarning, match=r"layers\[0\]\.dimensions: 3 cells declared, 66 found: home\.json"):
         grid = read_source(source(table))
     assert np.array_equal(grid.cells, with_margin(FLAT))
 
@@ -142,7 +142,7 @@ REFUSED: list[tuple[tuple[Any, ...], Any, str]] = [
     (("size", "y"), 0, "size.y: wanted a number above 0"),
     (("size", "x"), 500, "layers[0]: wanted cells within the map's size, found x 600 to 623, y 540 to 548"),
     (("pixelSize",), 10**400, "pixelSize: wanted a number above 0"),
-    (("pixelSize",), 100_000, "resolution: wanted 0.0001 to 100 m a cell, found 1000.0"),
+    (("pixelSize",), 100_000, "resolution: wanted 0.0001 to 100 m per cell, found 1000.0"),
     (("layers",), [], "layers: wanted at least one cell, found none"),
     (("layers",), [{}] * 10_001, "layers: wanted at most 10000, found 10001"),
     (("layers", 0), 5, "layers[0]: wanted a table, found 5"),
@@ -153,12 +153,12 @@ REFUSED: list[tuple[tuple[Any, ...], Any, str]] = [
     (CELLS, [1, 2, True], "layers[0].compressedPixels: wanted whole numbers"),
     (CELLS, [1, 2, 10**30], "layers[0].compressedPixels: wanted whole numbers"),
     (CELLS, ["x" * 1000, 2, 3], "layers[0].compressedPixels: wanted whole numbers"),
-    (CELLS, [600, 540, 0], "layers[0].compressedPixels: wanted counts from 1"),
-    (CELLS, [600, 540, 10**9], "layers[0].compressedPixels: wanted counts from 1 and numbers to 1000000"),
+    (CELLS, [600, 540, 0], "layers[0].compressedPixels: wanted counts of at least 1"),
+    (CELLS, [600, 540, 10**9], "layers[0].compressedPixels: wanted counts of at least 1 and numbers up to 1000000"),
     (CELLS, [-1, 540, 3], "layers[0]: wanted cells within the map's size, found x -1 to 1"),
     (("layers", 2, "metaData"), None, "layers[2].metaData: wanted the key"),
     (("layers", 2, "metaData", "segmentId"), None, "layers[2].metaData.segmentId: wanted the key"),
-    (("layers", 2, "metaData", "segmentId"), [1], "layers[2].metaData.segmentId: wanted a text or number"),
+    (("layers", 2, "metaData", "segmentId"), [1], "layers[2].metaData.segmentId: wanted a string or number"),
     (("entities", 0), "robot", "entities[0]: wanted a table"),
     (("entities", 0, "points"), None, "entities[0].points: wanted the key"),
     (("entities", 0, "points"), [1], "entities[0].points: wanted x, y of 1 or more points, found a list of 1"),
@@ -185,7 +185,7 @@ def test_what_is_no_map_is_refused(data: bytes) -> None:
 
 
 def test_what_the_file_says_itself_is_not_said_again() -> None:
-    refused(source(home(), resolution_m=0.1), "resolution: wanted 0.1 m a cell as asked for, found 0.05 m")
+    refused(source(home(), resolution_m=0.1), "resolution: wanted 0.1 m per cell as requested, found 0.05 m")
     refused(source(home(), unknown_value=205), "unknown value: wanted none for a Valetudo map")
     assert read_source(source(home(), resolution_m=0.05)).frame.resolution_m == 0.05
 

@@ -194,7 +194,7 @@ def test_terms_of_the_energy_add_up_and_the_lack_is_that_of_the_rooms(apartment:
         rooms_m2 = area_m2[np.unique(room[0, problem.is_region])]
         lack = np.maximum(cost.room_m2 - rooms_m2, 0).sum() / cost.room_m2
         assert terms["lack of area"].value == pytest.approx(lack, abs=1e-6)
-        assert terms["parting doors"].value <= (~generation.removed).sum()
+        assert terms["separating doors"].value <= (~generation.removed).sum()
 
 
 @pytest.mark.parametrize(

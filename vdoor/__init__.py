@@ -1,4 +1,4 @@
-"""Rooms and doors from occupancy grid maps, every stage on record.
+"""Rooms and doors from occupancy grid maps, with every stage recorded.
 
 >>> import vdoor
 >>> topology = vdoor.run(vdoor.read_map("recordings/flat.yaml"))
@@ -54,7 +54,7 @@ _HOME = {
 
 
 def __getattr__(name: str) -> Any:
-    """Import a public name when it is first used, so that `vdoor --help` does not wait for numpy and scipy."""
+    """A public name, imported on first use so that `vdoor --help` does not wait for numpy and scipy."""
     for module, names in _HOME.items():
         if name in names:
             return getattr(importlib.import_module(f"vdoor.{module}"), name)

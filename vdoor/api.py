@@ -1,6 +1,6 @@
-"""From a map to its rooms in one call, the same for the command and for Python: prepare the pipeline, then run it.
+"""From a map to its rooms in one call, for the command and for Python alike: prepare the pipeline, then run it.
 
-What a map's file says beside its cells counts in both: where the robot is, and where its own frame lies.
+Both use the annotations in the map file: the robot's position and the origin of the robot's own frame.
 """
 
 from __future__ import annotations
@@ -22,16 +22,17 @@ from vdoor.topology import TopologicalMap
 
 
 class Prepared(NamedTuple):
-    """A pipeline for one map, and what its user should know of it; empty where nothing had to be assumed."""
+    """A pipeline for one map, and a note for the user."""
 
     pipeline: AnyPipeline
     note: str = ""
+    """What had to be assumed; empty if nothing."""
 
 
 def prepared(pipeline: AnyPipeline, grid: OccupancyGrid) -> Prepared:
-    """The pipeline as `run` takes it for this map: with the robot where the map's file says, unless its place is set.
+    """The pipeline that `run` uses for this map: with the robot's position from the map file, unless it is set.
 
-    A place that is set stands, so that to prepare twice changes nothing.
+    A position that is already set is kept, so preparing twice changes nothing.
     """
     simplify, note = placed(pipeline.simplify, grid)
     return Prepared(dataclasses.replace(pipeline, simplify=simplify), note)
@@ -40,15 +41,15 @@ def prepared(pipeline: AnyPipeline, grid: OccupancyGrid) -> Prepared:
 def run(
     grid: OccupancyGrid, preset: str | AnyPipeline = DEFAULT_PRESET, *, seed: int = 0, emit: Emit = silent
 ) -> TopologicalMap:
-    """The topological map of `grid` by a preset or a pipeline of your own; equal seeds give equal results.
+    """The topological map of `grid`, by a preset or a pipeline of your own; equal seeds give equal results.
 
-    The same as `vdoor run`: the pipeline is `prepared` for the map, then it is `run_prepared`. To record a run do both
-    yourself: it can be done again with the settings of the prepared pipeline.
+    Does what `vdoor run` does: `prepared`, then `run_prepared`. To record a run, call both yourself and record the
+    settings of the prepared pipeline: they reproduce the run.
 
     Warns
     -----
     MapWarning
-        where the map's file names a place of the robot that cannot be
+        if no free cell is near the robot's position given in the map file
 
     """
     pipeline, note = prepared(preset_named(preset) if isinstance(preset, str) else preset, grid)
@@ -58,25 +59,25 @@ def run(
 
 
 def run_prepared(grid: OccupancyGrid, pipeline: AnyPipeline, *, seed: int = 0, emit: Emit = silent) -> TopologicalMap:
-    """The same by a pipeline whose settings stand as they are, wherever the map's file says that the robot is."""
+    """The topological map of `grid` by a pipeline used as it is, without the robot's position from the map file."""
     return in_own_frame(pipeline(grid, np.random.default_rng(seed), emit), grid.source)
 
 
 class Placed(NamedTuple):
-    """The first stage for one map, and what its user should know of it."""
+    """The first stage for one map, and a note for the user."""
 
     simplify: SimplifyGrid
     note: str = ""
-    """Empty where nothing had to be assumed."""
+    """What had to be assumed; empty if nothing."""
 
 
 def placed(simplify: SimplifyGrid, grid: OccupancyGrid) -> Placed:
-    """The stage with the robot, or else its charger, where the map's file says, unless its place is set already.
+    """The stage with the robot's position from the map file, or else its charger's, unless a position is already set.
 
-    A place without a free cell near it is passed over, as the stage would refuse it.
+    A position with no free cell near it is skipped, since the stage would reject it.
     """
-    said = None if simplify.robot_m else read_annotations(grid.source)
-    places_m = said.places_m if said else ()
+    annotations = None if simplify.robot_m else read_annotations(grid.source)
+    places_m = annotations.places_m if annotations else ()
     for place_m in places_m:
         there = dataclasses.replace(simplify, robot_m=place_m)
         try:
@@ -84,11 +85,11 @@ def placed(simplify: SimplifyGrid, grid: OccupancyGrid) -> Placed:
         except MapError:
             continue
         return Placed(there)
-    note = "the robot's place in the map's file is not free; the largest free space is taken"
+    note = "the robot's position in the map file is not free; using the largest free space"
     return Placed(simplify, note if places_m else "")
 
 
 def in_own_frame(topology: TopologicalMap, source: Source) -> TopologicalMap:
-    """The map that knows where it lies in the frame of the robot whose file it was made of, if that says so."""
-    said = read_annotations(source)
-    return dataclasses.replace(topology, own_origin_cm=said.own_origin_cm) if said else topology
+    """The map with its origin in the robot's own frame (`own_origin_cm`), if the map file gives one."""
+    annotations = read_annotations(source)
+    return dataclasses.replace(topology, own_origin_cm=annotations.own_origin_cm) if annotations else topology

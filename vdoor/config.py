@@ -1,4 +1,4 @@
-"""Settings as a TOML file or as ``stage.field=value``, laid over frozen dataclasses. Knows no stage by name."""
+"""Settings as a TOML file or as ``stage.field=value``, applied to frozen dataclasses. Independent of the stages."""
 
 from __future__ import annotations
 
@@ -19,16 +19,16 @@ from vdoor.errors import SettingError
 
 T = TypeVar("T")
 Choices = Mapping[str, Mapping[str, type]]
-"""Stages that have several classes: stage -> value of its ``method`` -> class."""
+"""Stages with alternative classes: stage -> value of its ``method`` -> class."""
 
 METHOD = "method"
 DEFAULT_PRESET = "default"
-"""The settings to start from where nobody names others, in the command and in Python."""
+"""The preset used if none is named, in the command and in Python."""
 
 
 @dataclasses.dataclass(frozen=True)
 class Within:
-    """Range of a setting, ends included: ``cell_m: Annotated[float, Within(0, 10)] = 0.2``."""
+    """The range of a setting, inclusive: ``cell_m: Annotated[float, Within(0, 10)] = 0.2``."""
 
     low: float
     high: float
@@ -41,7 +41,7 @@ def check_range(value: Any, low: float, high: float, place: str) -> None:
 
 
 def settings_of(pipeline: object, choices: Choices) -> dict[str, dict[str, Any]]:
-    """Every setting of every stage, as nested tables that `with_settings` reads back."""
+    """All settings of all stages as nested tables; `with_settings` reads them back."""
     tables: dict[str, dict[str, Any]] = {}
     for field in dataclasses.fields(pipeline):  # type: ignore[arg-type]  # any pipeline dataclass
         stage = getattr(pipeline, field.name)
@@ -54,7 +54,7 @@ def settings_of(pipeline: object, choices: Choices) -> dict[str, dict[str, Any]]
 
 
 def with_settings(pipeline: T, tables: Mapping[str, Any], choices: Choices, *, place: str = "settings") -> T:
-    """The pipeline with some settings replaced; SettingError names `place`, the setting and what was wanted."""
+    """The pipeline with some settings replaced; raises SettingError naming `place`, the setting and valid values."""
     stages = {field.name: getattr(pipeline, field.name) for field in dataclasses.fields(pipeline)}  # type: ignore[arg-type]  # any pipeline dataclass
     changed = {}
     for name, table in tables.items():
@@ -72,22 +72,22 @@ def with_settings(pipeline: T, tables: Mapping[str, Any], choices: Choices, *, p
 
 
 def replaced(stage: Any, values: Mapping[str, Any], place: str) -> Any:
-    """One dataclass with some settings replaced, types and ranges checked."""
+    """A stage dataclass with some settings replaced; types and ranges are checked."""
     current = {field.name: getattr(stage, field.name) for field in dataclasses.fields(stage)}
     ranges, hints = ranges_of(type(stage)), get_type_hints(type(stage))
     for name, value in values.items():
         _check_name(name, current, place, "setting")
         if hints[name] == tuple[str, ...]:
-            current[name] = _texts(value, f"{place}.{name}")
+            current[name] = _strings(value, f"{place}.{name}")
             continue
-        current[name] = _like(current[name], value, f"{place}.{name}")
+        current[name] = _converted(current[name], value, f"{place}.{name}")
         if name in ranges:
             check_range(current[name], ranges[name].low, ranges[name].high, f"{place}.{name}")
     return type(stage)(**current)
 
 
-def _like(default: Any, value: Any, place: str) -> Any:
-    """The value in the type of the default; whole numbers pass as floats."""
+def _converted(default: Any, value: Any, place: str) -> Any:
+    """The value converted to the type of the default; integers are accepted for floats."""
     if isinstance(default, bool) or isinstance(value, bool):
         good = isinstance(default, bool) and isinstance(value, bool)
     elif isinstance(default, float):
@@ -104,16 +104,16 @@ def _like(default: Any, value: Any, place: str) -> Any:
     return value
 
 
-def _texts(value: Any, place: str) -> tuple[str, ...]:
-    """The value as texts."""
+def _strings(value: Any, place: str) -> tuple[str, ...]:
+    """The value as a tuple of strings."""
     if not isinstance(value, (list, tuple)) or not all(isinstance(part, str) for part in value):
-        raise SettingError(f"{place}: wanted a list of texts, found {value!r}")
+        raise SettingError(f"{place}: wanted a list of strings, found {value!r}")
     return tuple(value)
 
 
 def _kind(default: Any) -> str:
     names = {bool: "true or false", int: "a whole number", float: "a finite number", tuple: "a list of finite numbers"}
-    return names.get(type(default), "text")
+    return names.get(type(default), "a string")
 
 
 def _check_name(name: str, known: Iterable[str], place: str, what: str) -> None:
@@ -125,7 +125,7 @@ def _check_name(name: str, known: Iterable[str], place: str, what: str) -> None:
 
 
 def read_toml(path: Path) -> dict[str, Any]:
-    """Tables of a settings file."""
+    """The tables of a TOML settings file; raises SettingError if it cannot be read."""
     try:
         return tomllib.loads(path.read_text(encoding="utf-8"))
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
@@ -135,7 +135,7 @@ def read_toml(path: Path) -> dict[str, Any]:
 
 
 def parse_assignments(assignments: Iterable[str]) -> dict[str, dict[str, Any]]:
-    """Tables from ``stage.field=value``; values as in TOML, bare words are text."""
+    """Tables from ``stage.field=value``; values are TOML, bare words are strings."""
     tables: dict[str, dict[str, Any]] = {}
     for text in assignments:
         name, equals, value = text.partition("=")
@@ -151,7 +151,7 @@ def parse_assignments(assignments: Iterable[str]) -> dict[str, dict[str, Any]]:
 
 
 def to_toml(pipeline: object, choices: Choices) -> str:
-    """All settings as a TOML file, each with its meaning as a comment."""
+    """All settings as a TOML file, each below a comment with its meaning."""
     parts = []
     for name, table in settings_of(pipeline, choices).items():
         if not table:
@@ -165,7 +165,7 @@ def to_toml(pipeline: object, choices: Choices) -> str:
 
 
 def commented(stage: Any) -> list[str]:
-    """Lines of TOML for the settings of one dataclass, each below its meaning and range."""
+    """Lines of TOML for the settings of one dataclass, each below a comment with its meaning and range."""
     meaning, ranges = field_docs(type(stage)), ranges_of(type(stage))
     lines = []
     for field in dataclasses.fields(stage):
@@ -183,7 +183,7 @@ def ranges_of(kind: type) -> dict[str, Within]:
 
 
 def field_docs(kind: type) -> dict[str, str]:
-    """What the string below each field of a class says."""
+    """The docstring below each field of a class, by field name."""
     body = ast.parse(textwrap.dedent(inspect.getsource(kind))).body[0]
     docs: dict[str, str] = {}
     statements = body.body if isinstance(body, ast.ClassDef) else []

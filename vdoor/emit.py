@@ -1,4 +1,4 @@
-"""How records leave the pipeline: `emit` returns what it is given; a recorder numbers it and hands it to the sinks."""
+"""How records leave the pipeline: `emit` returns its argument; a recorder numbers records and passes them to sinks."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ R = TypeVar("R", bound=Record)
 
 
 class Emit(Protocol):
-    """Called by the pipeline with every record, in order."""
+    """The function that the pipeline calls with every record, in order."""
 
     def __call__(self, record: R, /) -> R:
         """Return the record unchanged."""
@@ -23,27 +23,27 @@ class Emit(Protocol):
 
 
 def silent(record: R, /) -> R:
-    """Emit to nobody."""
+    """The record, sent nowhere."""
     return record
 
 
 @dataclass(frozen=True, kw_only=True)
 class RunInfo:
-    """All that is needed to run again, beside the code: what a recording says about itself."""
+    """Everything needed to repeat a run, apart from the code; stored in each recording."""
 
     version: str
     preset: str
     seed: int
     settings: Mapping[str, Any]
-    """Every setting as nested tables, as in a settings file."""
+    """All settings as nested tables, as in a settings file."""
     source: Source = field(default_factory=Source)
 
 
 class Sink(Protocol):
-    """Somewhere records are written as they are made."""
+    """A destination for records: a file or a viewer."""
 
     def write(self, step: int, record: Record) -> None:
-        """Write one record; when this returns, it survives a kill."""
+        """Write one record; once this returns, the record survives a kill."""
         ...
 
     def close(self) -> None:
@@ -52,7 +52,7 @@ class Sink(Protocol):
 
 
 class Stopwatch:
-    """CPU and wall seconds of each stage, with what the listeners behind it take left out."""
+    """CPU and wall time of each stage in seconds, without the time that the emitters behind it take."""
 
     def __init__(self, emit: Emit) -> None:
         self.emit = emit
@@ -61,7 +61,7 @@ class Stopwatch:
         self._since = (time.process_time(), time.perf_counter())
 
     def __call__(self, record: R, /) -> R:
-        """Charge the time since the last record to this one's stage, then pass it on."""
+        """Add the time since the last record to this record's stage, then pass the record on."""
         now = (time.process_time(), time.perf_counter())
         for table, then, until in zip((self.cpu_s, self.wall_s), self._since, now, strict=True):
             table[record.topic] = table.get(record.topic, 0.0) + until - then
@@ -71,7 +71,7 @@ class Stopwatch:
 
 
 class Recorder:
-    """Numbers the records of one run and forwards them to its sinks, all of them or, after a signal, none."""
+    """Numbers the records of a run and forwards each to all its sinks, even if a signal arrives meanwhile."""
 
     def __init__(self, sinks: Sequence[Sink]) -> None:
         self.sinks = tuple(sinks)

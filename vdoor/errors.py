@@ -1,38 +1,38 @@
-"""What can go wrong in a way the user can mend, and how the user is told: one line on stderr."""
+"""Errors that the user can fix, and how they are reported: one line on stderr."""
 
 import re
 import sys
 
 
 class VdoorError(ValueError):
-    """Wrong use or input: the message names the place, what was wanted, what was found, the path last."""
+    """Wrong use or input; the message gives the place, what was wanted, what was found, and the path last."""
 
 
 class MapError(VdoorError):
-    """A map file that cannot be read, or a map that has nothing to divide."""
+    """A map file that cannot be read, or a map with nothing to divide."""
 
 
 class MapWarning(UserWarning):
-    """A map that can be read but likely says what was not meant, or leaves something to be assumed."""
+    """A map that can be read, but contains a likely mistake or left something to be assumed."""
 
 
 class SettingError(VdoorError):
-    """A setting that does not exist or cannot have that value."""
+    """An unknown setting, or a value that the setting cannot have."""
 
 
 class RecordingError(VdoorError):
-    """A recording that is damaged, foreign or of another schema."""
+    """A recording that is damaged, not vdoor's, or of another schema."""
 
 
 def say(text: str) -> None:
-    """One line on stderr, with the program's name before it."""
+    """Write one line to stderr, prefixed with the program's name."""
     sys.stderr.write(f"vdoor: {text}\n")
 
 
 NOT_PRINTABLE = re.compile(r"[^\t\n\x20-\x7e\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
-"""What a terminal might take for a command, and XML does not hold."""
+"""Characters that a terminal may interpret as control sequences, or that XML cannot contain."""
 
 
 def printable(text: str) -> str:
-    """Text without the characters that a file could use to play tricks on a terminal."""
+    """Text with `NOT_PRINTABLE` characters, with which a file could control the terminal, replaced by ``?``."""
     return NOT_PRINTABLE.sub("?", text)

@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 @dataclass(frozen=True)
 class Frame:
-    """Where a raster lies: its shape in cells, and its pose in the map frame (x right, y up, metres).
+    """The shape of a raster in cells, and its pose in the map frame (x right, y up, metres).
 
-    The origin is the pose of the lower left corner of the lower left cell, as ROS map_server defines it.
+    The origin is the pose of the lower left corner of the lower left cell, as in ROS map_server.
     """
 
     height: int
@@ -25,7 +25,7 @@ class Frame:
     yaw_rad: float = 0.0
 
     def world_from_cell(self, cells: NDArray[Any]) -> NDArray[np.float64]:
-        """Map coordinates (k, 2) as x, y of points (k, 2) as row, col; whole numbers are cell centres."""
+        """Map coordinates x, y (k, 2) of points row, col (k, 2); integers are cell centres."""
         rows, cols = np.asarray(cells, dtype=np.float64).reshape(-1, 2).T
         right_m = (cols + 0.5) * self.resolution_m
         up_m = (self.height - rows - 0.5) * self.resolution_m
@@ -33,7 +33,7 @@ class Frame:
         return np.stack([self.x_m + cos * right_m - sin * up_m, self.y_m + sin * right_m + cos * up_m], axis=1)
 
     def cell_from_world(self, points_m: NDArray[Any]) -> NDArray[np.float64]:
-        """Row, col (k, 2) of map points (k, 2) as x, y; the inverse of `world_from_cell`, not rounded."""
+        """Row, col (k, 2), not rounded, of map coordinates x, y (k, 2); the inverse of `world_from_cell`."""
         x_m, y_m = np.asarray(points_m, dtype=np.float64).reshape(-1, 2).T
         cos, sin = math.cos(self.yaw_rad), math.sin(self.yaw_rad)
         right_m = cos * (x_m - self.x_m) + sin * (y_m - self.y_m)

@@ -1,4 +1,4 @@
-"""Golden recordings: small maps of known kinds, recorded once, so that a change of any result is noticed."""
+"""Golden recordings: small maps of known kinds, recorded once so that any change of a result is noticed."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ ONE_ROOM = """
 
 
 def drawing(text: str) -> Callable[[], OccupancyGrid]:
-    """What makes the map of a drawing: ``.`` free, ``#`` occupied, ``?`` unknown."""
+    """A function that makes the map of a text drawing: ``.`` free, ``#`` occupied, ``?`` unknown."""
 
     def make() -> OccupancyGrid:
         rows = textwrap.dedent(text).split()
@@ -79,7 +79,7 @@ def drawing(text: str) -> Callable[[], OccupancyGrid]:
 
 
 def synthetic(seed: int, kind: str = "paper", **settings: float | bool) -> Callable[[], OccupancyGrid]:
-    """What makes a synthetic map of a kind, an apartment if none is named, with some settings of its own."""
+    """A function that makes a synthetic map of a kind (by default `paper`, an apartment) with changed settings."""
 
     def make() -> OccupancyGrid:
         drawn = replaced(PRESETS[kind], settings, "golden map")
@@ -91,7 +91,7 @@ def synthetic(seed: int, kind: str = "paper", **settings: float | bool) -> Calla
 
 
 class Golden(NamedTuple):
-    """What makes the map, and the preset that it is recorded with."""
+    """A golden map: the function that makes it, and the preset it is recorded with."""
 
     make: Callable[[], OccupancyGrid]
     preset: str = "paper"
@@ -112,7 +112,7 @@ MAPS: dict[str, Golden] = {
 
 
 def remade(folder: Path) -> Iterator[str]:
-    """Record all golden maps anew in `folder`; what differs from the recordings that were there, as lines of text."""
+    """Lines of text on what differs from the old recordings, as all golden maps are recorded again in `folder`."""
     make_folder(folder)
     for name, (make, preset) in MAPS.items():
         path = folder / f"{name}.mcap"
@@ -122,7 +122,7 @@ def remade(folder: Path) -> Iterator[str]:
 
 
 def record(grid: OccupancyGrid, path: Path, preset: str) -> Path:
-    """Run a preset on a grid and record it."""
+    """The recording of a run of a preset on a grid; removed again if the run fails."""
     pipeline = preset_named(preset)
     settings = settings_of(pipeline, METHODS)
     info = RunInfo(version=__version__, preset=preset, seed=SEED, settings=settings, source=grid.source)
@@ -137,7 +137,7 @@ def record(grid: OccupancyGrid, path: Path, preset: str) -> Path:
 
 
 def _changes(name: str, old: Path, new: Path) -> Iterator[str]:
-    """What differs between a recording that was there and the new one."""
+    """Lines of text on what differs between the old recording and the new one."""
     size = f"{new.stat().st_size / 1000:.0f} kB"
     if not old.exists():
         yield f"{name}: new, {size}"
@@ -150,8 +150,8 @@ def _changes(name: str, old: Path, new: Path) -> Iterator[str]:
         settings = runs_that_differ(runs[0].info, runs[1].info)
         report = compare(*(map(itemgetter(1), run) for run in runs), types=RECORDS)
     except RecordingError as error:
-        yield printable(f"{name}: replaced, {size}; the one before cannot be compared: {error}")
+        yield printable(f"{name}: replaced, {size}; the old one cannot be compared: {error}")
         return
     found = [*(setting_line(setting, NAMES) for setting in settings), *lines(report, NAMES)]
-    yield f"{name}: changed, {size}" if found else f"{name}: the same records in other bytes, {size}"
+    yield f"{name}: changed, {size}" if found else f"{name}: same records, different bytes, {size}"
     yield from (f"  {line}" for line in found)

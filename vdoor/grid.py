@@ -1,4 +1,4 @@
-"""The occupancy grid: what every map format is read into and every stage starts from."""
+"""The occupancy grid: the result of reading any map format and the input of the pipeline."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ FREE_TO, OCCUPIED_FROM = 19, 65
 
 @dataclass(frozen=True)
 class Source:
-    """Where a map came from: the files' own bytes, and how they were read, so that a recording can read them again."""
+    """Where a map came from: the bytes of its files and the options used, so that a recording can read it again."""
 
     files: tuple[tuple[str, bytes], ...] = ()
     options: dict[str, float | int | str] = field(default_factory=dict)
@@ -30,34 +30,34 @@ Line = tuple[Point, ...]
 
 @dataclass(frozen=True, kw_only=True)
 class Segment:
-    """A room as the maker's own software has it."""
+    """A room as segmented by the robot maker's own software."""
 
     label: int
-    """Its number in the label image."""
+    """The segment's number in the label image."""
     id: str
     name: str
-    """Need not be its own: homes have two halls."""
+    """Not necessarily unique: a home may have two halls."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Annotations:
-    """What a map's file says beside its cells; points are x, y in metres of the map frame."""
+    """What a map file contains besides the cells; points are x, y in metres in the map frame."""
 
     own_origin_cm: Point
-    """Where the map frame's origin lies in the maker's own frame, whose y runs down, in centimetres."""
+    """The map frame's origin in the robot's own frame, whose y axis points down, in centimetres."""
     robot_m: Point | None = None
     charger_m: Point | None = None
     virtual_walls_m: tuple[Line, ...] = ()
     no_go_areas_m: tuple[Line, ...] = ()
     no_mop_areas_m: tuple[Line, ...] = ()
-    """Areas by their vertices, none twice."""
+    """Areas as their vertices; the first is not repeated."""
     segments: tuple[Segment, ...] = ()
     labels: NDArray[np.int32] | None = None
-    """Segment of each free cell (h, w), 0 = none; None where the file knows no segments."""
+    """Segment of each free cell (h, w), 0 = none; None if the file has no segments."""
 
     @property
     def places_m(self) -> tuple[Point, ...]:
-        """Where the robot is or can be, the best first."""
+        """Positions for the robot in order of preference: its own, then its charger's."""
         return tuple(place for place in (self.robot_m, self.charger_m) if place is not None)
 
 
@@ -81,7 +81,7 @@ class OccupancyGrid(Record):
         yaw_rad: float = 0.0,
         source: Source | None = None,
     ) -> OccupancyGrid:
-        """A grid of `cells` (h, w) int8 with -1 unknown, 0 free to 100 occupied."""
+        """A grid of `cells` (h, w) int8: -1 unknown, 0 free to 100 occupied."""
         frame = Frame(cells.shape[0], cells.shape[1], resolution_m, x_m, y_m, yaw_rad)
         return cls(cells=np.ascontiguousarray(cells), frame=frame, source=source or Source())
 

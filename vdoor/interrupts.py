@@ -1,4 +1,4 @@
-"""Hold back Ctrl-C and SIGTERM while something is written that must not be left half done."""
+"""Delay Ctrl-C and SIGTERM during a write that must not be left incomplete."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ HELD = (signal.SIGINT, signal.SIGTERM)
 
 @contextlib.contextmanager
 def held_signals() -> Iterator[None]:
-    """Run a block to its end; a signal that came meanwhile is delivered after it.
+    """Run a block to its end; signals that arrive meanwhile are delivered after it.
 
-    Python runs signal handlers in the main thread only, so elsewhere there is nothing to hold back.
+    Python runs signal handlers in the main thread only, so in other threads there is nothing to delay.
     """
     if threading.current_thread() is not threading.main_thread():
         yield

@@ -1,4 +1,4 @@
-"""Where a run's records go: files that are renamed when whole, and live viewers."""
+"""Where a run's records go: files, renamed once complete, and live viewers."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ QUIET_S = 1.0
 
 
 class Interrupted(SystemExit):
-    """Ctrl-C or SIGTERM; the exit code is the shell's for that signal."""
+    """Ctrl-C or SIGTERM; the exit code is 128 + the signal's number, as in a shell."""
 
     def __init__(self, number: int) -> None:
         super().__init__(128 + number)
@@ -27,7 +27,7 @@ class Interrupted(SystemExit):
 
 @dataclass(frozen=True, kw_only=True)
 class Outputs:
-    """What was asked for on the command line."""
+    """The recordings and viewers requested on the command line."""
 
     save: Path | None = None
     mcap: Path | None = None
@@ -41,9 +41,12 @@ class Outputs:
         return [path for path in (self.save, self.mcap) if path is not None]
 
     def sinks(self, info: RunInfo) -> Iterator[tuple[Sink, Path | None]]:
-        """Open what was asked for, the files first and under their partial names; each with the name it will have."""
+        """The requested sinks, opened, files first; each with the file's final name, None for a viewer.
+
+        Files are written under their partial names.
+        """
         if self.mcap is not None:
-            from vdoor.recording.mcap import McapSink  # noqa: PLC0415  # only where it is wanted
+            from vdoor.recording.mcap import McapSink  # noqa: PLC0415  # only if requested
 
             yield McapSink(partial_name(self.mcap), info), self.mcap
         if self.save or self.connect or self.serve or self.spawn:
@@ -60,18 +63,18 @@ class Outputs:
 
 
 class Opened:
-    """The sinks of a run, and the names that those which write files will have."""
+    """The open sinks of a run, each with its file's final name, None for a viewer."""
 
     def __init__(self) -> None:
         self.pairs: list[tuple[Sink, Path | None]] = []
 
     @property
     def sinks(self) -> list[Sink]:
-        """All of them."""
+        """All open sinks, files and viewers."""
         return [sink for sink, _ in self.pairs]
 
     def finish_files(self) -> None:
-        """Close the files and give them their names; live viewers go on."""
+        """Close the files and rename them; live viewers stay open."""
         for sink, path in self.pairs:
             if path is not None:
                 sink.close()
@@ -79,7 +82,7 @@ class Opened:
         self.pairs = [(sink, path) for sink, path in self.pairs if path is None]
 
     def abandon(self, *, keep: bool) -> None:
-        """Close everything; files stay under their partial names and are named on stderr, or are removed."""
+        """Close all sinks; files are kept under their partial names, which stderr lists, or removed unless `keep`."""
         for sink, path in self.pairs:
             try:
                 sink.close()
@@ -93,9 +96,9 @@ class Opened:
 
 @contextmanager
 def opened(outputs: Outputs, info: RunInfo) -> Iterator[Opened]:
-    """The sinks of a run; files get their names when the block ends well, and then a server goes on until Ctrl-C.
+    """The sinks of a run; files are renamed if the block succeeds, after which a server runs until Ctrl-C.
 
-    When it is interrupted, what was recorded so far is kept. When the input is at fault nothing is left behind.
+    If the run is interrupted, what was recorded so far is kept. After a `VdoorError` the files are removed.
     """
     run = Opened()
     with interruptible():
@@ -120,7 +123,7 @@ def both_recordings(folder: Path, info: RunInfo) -> Iterator[list[Sink]]:
 
 @contextmanager
 def interruptible() -> Iterator[None]:
-    """Turn SIGTERM and Ctrl-C into `Interrupted` within the block."""
+    """Raise `Interrupted` on SIGTERM and Ctrl-C within the block."""
 
     def stop(number: int, _: FrameType | None) -> None:
         raise Interrupted(number)
@@ -134,20 +137,20 @@ def interruptible() -> Iterator[None]:
 
 
 class Progress:
-    """A sink that says on stderr which stage is done: each one if `verbose`, else once a second of a long run."""
+    """A sink that reports finished stages on stderr: all if `verbose`, else at most one per second."""
 
     def __init__(self, *, verbose: bool) -> None:
         self.verbose = verbose
-        self._start = self._said = time.monotonic()
+        self._start = self._last = time.monotonic()
 
     def write(self, step: int, record: Record) -> None:
-        """Say it if it is time to."""
+        """Write the line if it is due."""
         now = time.monotonic()
-        if self.verbose or now - self._said > QUIET_S:
+        if self.verbose or now - self._last > QUIET_S:
             number = getattr(record, "number", None)
             which = record.topic if number is None else f"{record.topic} {number}"
             say(f"{now - self._start:6.1f} s  {which} ({step + 1} records)")
-            self._said = now
+            self._last = now
 
     def close(self) -> None:
-        """Nothing to finish."""
+        """Do nothing: stderr stays open."""

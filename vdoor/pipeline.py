@@ -1,8 +1,8 @@
-"""START HERE: the method, one line a stage.
+"""START HERE: the method, one line per stage.
 
 "Generating Topological Map from Occupancy Grid-map using Virtual Door Detection": simplify the grid (II.A), walk its
-boundary and measure curvature (II.B, eq. 1 to 6), propose virtual doors (II.C), and let a search decide which of them
-are doors (III, eq. 7).
+boundary and measure curvature (II.B, eq. 1 to 6), propose virtual doors (II.C), and search for the ones to keep
+(III, eq. 7).
 """
 
 from __future__ import annotations
@@ -56,8 +56,8 @@ RECORDS: tuple[type[Record], ...] = (
     Edits,
     TopologicalMap,
 )
-"""All that runs emit, in this order; `Generation` as often as the search has generations. Which of them a run emits is
-its pipeline's `records`."""
+"""All records that runs emit, in this order, with one `Generation` per generation of the search. The ones that a given
+pipeline emits are its `records`."""
 
 METHODS: dict[str, dict[str, type]] = {
     "doors": {"paper": ProposeDoors, "wide": ProposeWideDoors},
@@ -71,11 +71,11 @@ METHODS: dict[str, dict[str, type]] = {
     },
     "certify": {"none": NoProof, "bound": BoundEnergy},
 }
-"""Stages that can be done in several ways, by the name of each."""
+"""Stages with alternative implementations, and these by name."""
 
 
 class Proposals(NamedTuple):
-    """Virtual doors, and what they were found on."""
+    """Virtual doors, and the records they were derived from."""
 
     simplified: SimplifiedGrid
     path: BoundaryPath
@@ -85,7 +85,7 @@ class Proposals(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True)
 class Pipeline:
-    """The method with its settings on; the defaults are the paper's."""
+    """The method with its settings; the defaults are the paper's."""
 
     simplify: SimplifyGrid = field(default_factory=SimplifyGrid)
     trace: TraceBoundary = field(default_factory=TraceBoundary)
@@ -103,7 +103,7 @@ class Pipeline:
 
     @property
     def records(self) -> tuple[type[Record], ...]:
-        """What a run emits, in this order."""
+        """The records that a run emits, in order."""
         left_out: set[type[Record]] = {Skeleton, CriticalLines, ErodedSpace, GrownRooms}
         left_out |= {DoorScores} if isinstance(self.score, NoScores) else set()
         proven = isinstance(self.certify, BoundEnergy) and self.cost.counts_separating
@@ -112,7 +112,7 @@ class Pipeline:
         return tuple(record for record in RECORDS if record not in left_out)
 
     def __call__(self, grid: OccupancyGrid, rng: np.random.Generator, emit: Emit = silent) -> TopologicalMap:
-        """Rooms and doors of `grid`; `emit` sees every stage's record on the way."""
+        """Rooms and doors of `grid`; `emit` is called with every stage's record."""
         opened = self.edit.open_doors(emit(grid))
         simplified, path, corners, doors = self.propose(opened.grid, emit)
         scores = self.score(simplified, path, corners, doors)
@@ -131,7 +131,7 @@ class Pipeline:
         return emit(topology)
 
     def propose(self, grid: OccupancyGrid, emit: Emit = silent) -> Proposals:
-        """Section II up to the virtual doors."""
+        """The stages of section II up to the virtual doors."""
         simplified = emit(self.simplify(grid))
         path = emit(self.trace(simplified))
         curvature = emit(self.curvature(path))
@@ -142,7 +142,7 @@ class Pipeline:
 
 
 AnyPipeline = Pipeline | VoronoiDoorsPipeline | ErodedSpacePipeline
-"""The method, or what it is compared with: settings by stage, `simplify` first, and `records`."""
+"""The method or a baseline: settings by stage, `simplify` first, and `records`."""
 
 PRESETS: dict[str, AnyPipeline] = {
     "paper": Pipeline(),
@@ -170,16 +170,16 @@ PRESETS: dict[str, AnyPipeline] = {
 
 
 def preset_named(name: str) -> AnyPipeline:
-    """The preset of that name."""
+    """The preset with that name; raises SettingError if there is none."""
     if name not in PRESETS:
         raise SettingError(f"preset {name!r}: wanted one of {', '.join(PRESETS)}")
     return PRESETS[name]
 
 
 def recorded(info: RunInfo) -> AnyPipeline:
-    """The pipeline of a recorded run; the paper's where its preset is not known.
+    """The pipeline of a recorded run; based on the paper's if its preset is unknown.
 
-    A recording names every setting there was: what it does not name came later, and is off as in the paper.
+    A recording stores all settings of its version. Settings it lacks were added later and are off, as in the paper.
     """
     preset = PRESETS.get(info.preset, Pipeline())
     base = Pipeline() if isinstance(preset, Pipeline) else preset
@@ -187,7 +187,7 @@ def recorded(info: RunInfo) -> AnyPipeline:
 
 
 def emitted(info: RunInfo) -> tuple[type[Record], ...]:
-    """What a recorded run emits; what its preset does where its settings cannot be read."""
+    """The records that a recorded run emits; if its settings are invalid, those of its preset."""
     try:
         return recorded(info).records
     except SettingError:

@@ -1,7 +1,7 @@
-"""The one description of what a stage returns.
+"""The single description of a stage's output.
 
-A `Record` is a frozen dataclass whose fields carry a `Spec`. Everything that is done with a stage's output (check,
-store, draw, replay, compare, make test data) is derived from these specs and written nowhere else.
+A `Record` is a frozen dataclass whose fields carry a `Spec`. Everything done with a stage's output (check, store, draw,
+replay, compare, make test data) is derived from these specs and written nowhere else.
 
 The first name in a spec's shape is the table a column belongs to: all columns of shape ``corner`` or ``corner 2``
 have one row per corner.
@@ -23,32 +23,32 @@ RASTERS: tuple[Kind, ...] = ("occupancy", "codes", "labels")
 COLUMNS: tuple[Kind, ...] = ("column", "cell", "code")
 SCALARS: tuple[Kind, ...] = ("number", "count")
 TEXT = re.compile("[\x20-\x7e\xa0-\u2027\u202f-\u2065\u206a-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]{0,100}")
-"""A line of any language: no control characters, none that break lines or turn the direction of what follows."""
+"""One line in any language: no control characters, line breaks, or characters that change the text direction."""
 
 
 @dataclass(frozen=True)
 class Spec:
-    """What a type cannot say about one field.
+    """The properties of a field that its type does not express.
 
     kind
         occupancy   raster of int8: -1 unknown, 0 free to 100 occupied
         codes       raster of uint8, an index into `words`
         labels      raster of int32, 0 = none
         column      one row (or short vector) per element of the table that `shape` begins with
-        cell        a column of (row, col) in the record's frame: where the table's elements lie
+        cell        a column of (row, col) in the record's frame: the positions of the table's elements
         code        a column of uint8, an index into `words`
-        bits        one flag per element of a table that lives in another record
+        bits        one flag per element of a table in another record
         number, count  a float, an int
-    text        a tuple with a line of text for each element of a table, or with none at all
+        text        a tuple with one line of text per element of a table, or an empty one
     shape
-        names of the axes; equal names have equal length within a record, a number is itself
+        names of the axes; axes with the same name have the same length within a record, a digit is a fixed length
     tolerance
-        how far two runs on different machines may differ, in `unit`; 0 means bit for bit
+        how much two runs on different machines may differ, in `unit`; 0 means bit for bit
     of
-        a table of another record, or this one, by one of its columns, as in `doors.start`: what the values of a column
-        number the rows of, and what cells and bits have a row each for
+        a table of any record, given by one of its columns, as in `doors.start`. The values of a column are row numbers
+        of that table; cells and bits have one row per row of it
     or_none
-        whether a column that numbers rows may hold -1 for none of them
+        whether a column of row numbers may contain -1 for none
     """
 
     kind: Kind
@@ -61,13 +61,13 @@ class Spec:
 
     @property
     def axes(self) -> tuple[str, ...]:
-        """Names of the axes, outermost first."""
+        """The names of the axes, outermost first."""
         return tuple(self.shape.split())
 
 
 @dataclass_transform(frozen_default=True, kw_only_default=True, eq_default=False)
 class Record:
-    """Base of all records: checked when made, frozen after, arrays read-only."""
+    """Base class of all records: checked when created, then frozen, with read-only arrays."""
 
     topic: ClassVar[str]
 
@@ -96,7 +96,7 @@ class Record:
             object.__setattr__(self, name, frozen)
 
     def _check_texts(self, name: str, texts: tuple[str, ...], wanted: int) -> None:
-        """Raise `RecordingError` for texts that are not lines, or not as many as wanted."""
+        """Raise `RecordingError` if the texts are not single lines, or their number is wrong."""
         if not isinstance(texts, tuple) or not all(isinstance(text, str) and TEXT.fullmatch(text) for text in texts):
             raise RecordingError(f"{type(self).__name__}.{name}: wanted lines of at most 100 characters, found others")
         if len(texts) != wanted:
@@ -104,7 +104,7 @@ class Record:
 
 
 def specs(record: type[Record]) -> dict[str, tuple[Spec, np.dtype[Any] | None]]:
-    """Fields of a record that carry a `Spec`, in order, with their dtype (None for plain numbers and texts)."""
+    """The fields of a record that carry a `Spec`, in order, with their dtype (None for plain numbers and texts)."""
     if record not in _SPECS:
         _SPECS[record] = _read_specs(record)
     return _SPECS[record]
@@ -127,7 +127,7 @@ def _read_specs(record: type[Record]) -> dict[str, tuple[Spec, np.dtype[Any] | N
 
 
 def tables(record: type[Record]) -> dict[str, tuple[str, ...]]:
-    """Tables of a record: the name of the rows (``corner``) and the fields that are its columns."""
+    """The tables of a record: the name of a row (``corner``) -> the fields that are its columns."""
     found: dict[str, list[str]] = {}
     for name, (spec, _) in specs(record).items():
         if spec.kind in COLUMNS:
@@ -136,7 +136,7 @@ def tables(record: type[Record]) -> dict[str, tuple[str, ...]]:
 
 
 def equal(one: Record, other: Record) -> bool:
-    """Whether two records are of one type and equal bit for bit (equal infinities and nans are equal)."""
+    """Whether two records have the same type and are equal bit for bit (equal infinities and nans are equal)."""
     if type(one) is not type(other) or getattr(one, "frame", None) != getattr(other, "frame", None):
         return False
     for name, (_, dtype) in specs(type(one)).items():
@@ -150,7 +150,7 @@ def equal(one: Record, other: Record) -> bool:
 
 
 def sizes(record: Record) -> str:
-    """One line about a record: the sizes of its rasters and tables, and its numbers."""
+    """One line on a record: the sizes of its rasters and tables, and its numbers."""
     kind = type(record)
     found = [
         f"{name} {' x '.join(map(str, getattr(record, name).shape))}"
@@ -163,7 +163,7 @@ def sizes(record: Record) -> str:
 
 
 def texts_of(record: Record, column: str) -> list[str]:
-    """The values of one column for people: words for codes, numbers to four digits."""
+    """The values of one column as readable text: words for codes, numbers to four digits."""
     values = np.asarray(getattr(record, column))
     spec = specs(type(record))[column][0]
     if spec.words:

@@ -1,4 +1,4 @@
-"""The result: rooms as nodes, doors as edges, and every free cell's room."""
+"""The result: rooms as nodes, doors as edges, and the room of every free cell."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ from vdoor.raster.runs import runs_of
 from vdoor.record import Record, Spec
 
 KINDS = ("pair", "single", "passage", "extension", "added")
-"""Kinds of doors, as `Door.kind` describes them."""
+"""Kinds of doors, explained at `Door.kind`."""
 Ring = tuple[tuple[float, float], ...]
 Polygon = tuple[Ring, ...]
 
 
 @dataclass(frozen=True)
 class Corner:
-    """A corner feature of a room's boundary, in the map frame."""
+    """A corner of a room's boundary, in the map frame."""
 
     point_m: tuple[float, float]
     convex: bool
@@ -37,18 +37,18 @@ class Room:
     id: int
     area_m2: float
     centre_m: tuple[float, float]
-    """The middle of a free cell of the room."""
+    """The centre of a free cell of the room, the one nearest to the room's mean."""
     polygon_m: Polygon
-    """Rings of x, y, each closed by its first vertex: the outer one, then the holes."""
+    """Rings of x, y, the outer one first, then the holes; each ends with its first vertex."""
     neighbours: tuple[int, ...]
     corners: tuple[Corner, ...]
-    """The corner features that form its boundary."""
+    """The corners on the room's boundary."""
     name: str = ""
-    """What its people call it; empty where nobody said."""
+    """The name given to the room by an edit; empty if none."""
 
     @property
     def title(self) -> str:
-        """Its name, or else `room` and its id."""
+        """The room's name or, without one, `room` and its id."""
         return self.name or f"room {self.id}"
 
 
@@ -61,11 +61,11 @@ class Door:
     start_m: tuple[float, float]
     end_m: tuple[float, float]
     length_m: float
-    """Between the centres of its end cells."""
+    """Distance between the centres of the end cells."""
     width_m: float
-    """The free gap."""
+    """Width of the free gap."""
     tilt_deg: float
-    """Angle to the nearer of the grid's axes."""
+    """Angle to the nearer axis of the grid."""
     kind: str
     """pair, single, extension, passage (too narrow for the working resolution), or added (by an edit)."""
 
@@ -73,19 +73,19 @@ class Door:
 class TopologicalMap(Record):
     """Rooms as nodes, doors as edges, at the input's resolution.
 
-    Room ids are what the labels hold: 1, 2, ... in reading order, unless edits say otherwise. Columns of the rooms have
-    their rows in rising order of the ids, see `room_ids`.
+    Room ids are the values of `labels`: 1, 2, ... in reading order, unless edits change them. The rooms' columns are
+    sorted by id, see `room_ids`.
     """
 
     topic: ClassVar[str] = "map"
 
     labels: Annotated[NDArray[np.int32], Spec("labels", "height width")]
-    """Room of every free cell that can be reached from a room; 0 elsewhere."""
+    """Room id of every free cell that can be reached from a room; 0 elsewhere."""
     centre: Annotated[NDArray[np.int32], Spec("cell", "room 2")]
-    """The room's own cell nearest to its mean."""
+    """The cell of the room nearest to the mean of its cells."""
     area_m2: Annotated[NDArray[np.float64], Spec("column", "room", unit="m2", tolerance=1e-9)]
     name: Annotated[tuple[str, ...], Spec("text", "room")] = ()
-    """What people call the rooms, empty where nobody said; none at all where no room has a name."""
+    """The names of the rooms, empty for a room without one; an empty tuple if no room has a name."""
     edge: Annotated[NDArray[np.int32], Spec("column", "door", of="initial_map.door", or_none=True)]
     """Edge of the initial map, -1 for a passage too narrow for the working resolution."""
     start_m: Annotated[NDArray[np.float64], Spec("column", "door 2", unit="m", tolerance=1e-9)]
@@ -97,37 +97,37 @@ class TopologicalMap(Record):
     tilt_rad: Annotated[NDArray[np.float64], Spec("column", "door", unit="rad", tolerance=1e-9)]
     room_a: Annotated[NDArray[np.int32], Spec("column", "door")]
     room_b: Annotated[NDArray[np.int32], Spec("column", "door")]
-    """The two rooms it joins, a < b; a door that borders more has one row per pair."""
+    """The two rooms that the door joins, a < b; a door that borders more rooms has one row per pair."""
     feature_room: Annotated[NDArray[np.int32], Spec("column", "feature")]
     feature_corner: Annotated[NDArray[np.int32], Spec("column", "feature")]
     feature_convex: Annotated[NDArray[np.bool_], Spec("column", "feature")]
     feature_m: Annotated[NDArray[np.float64], Spec("column", "feature 2", unit="m", tolerance=1e-9)]
-    """Middle of the corner's obstacle cell as x, y."""
+    """Centre of the corner's obstacle cell as x, y."""
     vertex_m: Annotated[NDArray[np.float64], Spec("column", "vertex 2", unit="m", tolerance=1e-9)]
-    """Polygons with holes as x, y in the map frame; each ring closed by its first vertex."""
+    """Polygons with holes as x, y in the map frame; each ring ends with its first vertex."""
     vertex_room: Annotated[NDArray[np.int32], Spec("column", "vertex")]
     vertex_ring: Annotated[NDArray[np.int32], Spec("column", "vertex")]
-    """Ring within the room: 0 is the outer one, then its holes."""
+    """Ring number within the room: 0 for the outer one, then the holes."""
     frame: Frame
     own_origin_cm: tuple[float, float] | None = None
-    """Where the map frame's origin lies in the frame of the robot that made the map, whose y runs down, in centimetres;
-    None where nobody says. No part of the record: it stands in the map's file."""
+    """The map frame's origin in the robot's own frame, whose y axis points down, in centimetres; None if unknown. Not
+    recorded: it comes from the map file."""
 
     @property
     def doors(self) -> list[Door]:
-        """All doors, ids 1, 2, ... in order."""
+        """All doors, with ids 1, 2, ... in order."""
         return [self._door(row) for row in range(len(self.kind))]
 
     @property
     def rooms(self) -> list[Room]:
-        """All rooms by rising id."""
+        """All rooms, sorted by id."""
         return [self._room(row) for row in range(len(self.room_ids))]
 
     @cached_property
     def room_ids(self) -> tuple[int, ...]:
-        """Ids of the rooms, rising: those that the labels hold, one for each row of the rooms' columns.
+        """The ids of the rooms, ascending: the values of `labels`, one for each row of the rooms' columns.
 
-        Raises `RecordingError` where a recording holds other rows.
+        Raises `RecordingError` if a recording has a different number of rows.
         """
         ids = np.unique(runs_of(self.labels).label).tolist()
         if len(ids) != len(self.area_m2):
@@ -135,17 +135,17 @@ class TopologicalMap(Record):
         return tuple(ids)
 
     def room(self, number: int) -> Room:
-        """The room of that id; `SettingError` where there is none."""
+        """The room with that id; raises `SettingError` if there is none."""
         return self._room(self.room_row(number))
 
     def room_row(self, number: int) -> int:
-        """Row of a room by its id in `centre`, `area_m2` and `name`; `SettingError` where there is none."""
+        """The row of a room in `centre`, `area_m2` and `name`, by its id; raises `SettingError` if there is none."""
         if number not in self.room_ids:
             raise SettingError(f"room: wanted one of {', '.join(map(str, self.room_ids)) or 'none'}, found {number}")
         return self.room_ids.index(number)
 
     def room_named(self, name: str) -> Room:
-        """The room of that name; `SettingError` where there is none, or more than one."""
+        """The room with that name; raises `SettingError` if there is none, or more than one."""
         rows = [row for row, own in enumerate(self.name) if own == name]
         if len(rows) != 1:
             known = ", ".join(repr(own) for own in self.name if own) or "none"
@@ -153,25 +153,25 @@ class TopologicalMap(Record):
         return self._room(rows[0])
 
     def room_at(self, place_m: tuple[float, float]) -> Room | None:
-        """The room whose cell lies at x, y of the map frame; None where there is none."""
+        """The room at x, y in the map frame; None if there is none."""
         cell = self.cell_at(place_m)
         label = int(self.labels[cell]) if cell else 0
         return self.room(label) if label else None
 
     def cell_at(self, place_m: tuple[float, float]) -> tuple[int, int] | None:
-        """Row, col of the cell at x, y of the map frame; None outside the map."""
+        """Row, col of the cell at x, y in the map frame; None outside the map."""
         row, col = np.floor(self.frame.cell_from_world(np.array([place_m]))[0] + 0.5).tolist()
         inside = 0 <= row < self.frame.height and 0 <= col < self.frame.width
         return (int(row), int(col)) if inside else None
 
     def door(self, number: int) -> Door:
-        """The door of that id; `SettingError` where there is none."""
+        """The door with that id; raises `SettingError` if there is none."""
         if not 1 <= number <= len(self.kind):
             raise SettingError(f"door: wanted one of the map's {len(self.kind)} doors, found {number}")
         return self._door(number - 1)
 
     def doors_of(self, room: int) -> list[Door]:
-        """The doors that lead out of a room, by its id; `SettingError` where there is no such room."""
+        """The doors of a room, by its id; raises `SettingError` if there is no such room."""
         self.room_row(room)
         return [self._door(row) for row in np.flatnonzero((self.room_a == room) | (self.room_b == room)).tolist()]
 
@@ -200,24 +200,24 @@ class TopologicalMap(Record):
         )
 
     def polygon_m(self, room: int) -> Polygon:
-        """Rings of one room as x, y."""
+        """The rings of one room as x, y, the outer one first."""
         own = self.vertex_room == room
         ring, vertex_m = self.vertex_ring[own], self.vertex_m[own]
         rings = np.split(vertex_m, np.flatnonzero(np.diff(ring)) + 1) if len(ring) else []
         return tuple(tuple((x_m, y_m) for x_m, y_m in points.tolist()) for points in rings)
 
     def corners(self, room: int) -> tuple[Corner, ...]:
-        """Corner features of one room's boundary, in the order of the path."""
+        """The corners on one room's boundary, in the order of the boundary path."""
         own = np.flatnonzero(self.feature_room == room)
         return tuple(Corner(_point(self.feature_m[row]), bool(self.feature_convex[row])) for row in own)
 
     def neighbours(self, room: int) -> tuple[int, ...]:
-        """Ids of the rooms that a door joins to this one, sorted."""
+        """The ids of the rooms that share a door with this one, sorted."""
         near = np.concatenate([self.room_b[self.room_a == room], self.room_a[self.room_b == room]])
         return tuple(np.unique(near).tolist())
 
     def to_networkx(self) -> nx.MultiGraph[int]:
-        """Rooms as nodes with name, area_m2 and centre_m, doors as edges keyed by their id with their own fields."""
+        """The graph: rooms as nodes with name, area_m2 and centre_m; doors as edges with their fields, keyed by id."""
         graph: nx.MultiGraph[int] = nx.MultiGraph()
         for room in self.rooms:
             graph.add_node(room.id, name=room.name, area_m2=room.area_m2, centre_m=room.centre_m)
@@ -240,8 +240,8 @@ def _point(row: NDArray[np.float64]) -> tuple[float, float]:
 
 
 def signed_area_m2(ring: Ring) -> float:
-    """Signed area within a closed ring: positive where it runs counter-clockwise, seen with y up."""
-    x_m, y_m = ring[0]  # about the first vertex: far from the origin the products would eat the area's digits
+    """Signed area of a closed ring: positive if it runs counter-clockwise (y up)."""
+    x_m, y_m = ring[0]  # relative to the first vertex: far from the origin the products would lose precision
     doubled_m2 = sum(
         (ax_m - x_m) * (by_m - y_m) - (bx_m - x_m) * (ay_m - y_m) for (ax_m, ay_m), (bx_m, by_m) in pairwise(ring)
     )

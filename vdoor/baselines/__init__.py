@@ -1,7 +1,7 @@
-"""What the paper compares with, "after [8]": two stand-ins that give the same kind of result as the method.
+"""Two baselines after the paper's reference [8], each producing the same kind of result as the method.
 
-The paper's reference [8] divides a map by virtual doors that it finds with a generalised Voronoi diagram and an eroded
-configuration space. Its details are not known here, so each idea is a baseline of its own.
+Reference [8] divides a map by virtual doors found with a generalised Voronoi diagram and an eroded configuration space.
+Its details are not known here, so each idea is a separate baseline.
 """
 
 from vdoor.baselines.critical_lines import CriticalLines

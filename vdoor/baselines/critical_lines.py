@@ -1,4 +1,4 @@
-"""Narrow places: where the skeleton comes closest to walls on both sides."""
+"""Narrow places: points of the skeleton that are closest to walls on both sides."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ AROUND = np.ones((3, 3), np.bool_)
 
 
 class CriticalLines(Record):
-    """Local minima of the skeleton's clearance and the walls nearest to them; the rejected ones say why."""
+    """Local minima of the skeleton's clearance and the walls nearest to them; `fate` is why some are rejected."""
 
     topic: ClassVar[str] = "narrows"
 
@@ -38,25 +38,25 @@ class CriticalLines(Record):
     clearance_m: Annotated[NDArray[np.float64], Spec("column", "narrow", unit="m", tolerance=1e-9)]
     fate: Annotated[NDArray[np.uint8], Spec("code", "narrow", words=FATES)]
     start: Annotated[NDArray[np.int32], Spec("column", "narrow 2", unit="cells")]
-    """The nearest cell that is not free; the narrow's own cell where it is too wide."""
+    """The nearest cell that is not free; the narrow place's own cell if it is too wide."""
     end: Annotated[NDArray[np.int32], Spec("column", "narrow 2", unit="cells")]
-    """The nearest one on the opposite side, in sight or not; the same as `start` where there is none in reach."""
+    """The nearest one on the opposite side, visible or not; equal to `start` if there is none within reach."""
     frame: Frame
 
 
 @dataclass(frozen=True, kw_only=True)
 class FindCriticalLines:
-    """Keep the skeleton's narrowest points, where there are walls on opposite sides."""
+    """Keep the narrowest points of the skeleton that have walls on opposite sides."""
 
     within_m: Annotated[float, Within(0, 100)] = 0.5
-    """A narrow place has the least clearance so far along the skeleton."""
+    """A narrow place has the smallest clearance within this distance along the skeleton."""
     max_length_m: Annotated[float, Within(0, 20)] = 1.2
-    """Twice the clearance, and the distance from wall to wall, are at most this."""
+    """Upper limit of twice the clearance, and of the distance between the two walls."""
     apart_deg: Annotated[float, Within(0, 180)] = 120.0
-    """Walls are on opposite sides if they are seen so far apart."""
+    """Two walls are on opposite sides if the angle between their directions is at least this."""
 
     def __call__(self, simplified: SimplifiedGrid, skeleton: Skeleton) -> CriticalLines:
-        """In reading order; of points of equal clearance that follow each other the middle one stands for all."""
+        """Narrow places in reading order; adjacent points of equal clearance are represented by the middle one."""
         cell_m = skeleton.frame.resolution_m
         clearance_m = np.full(simplified.cells.shape, np.inf)
         clearance_m[tuple(skeleton.cell.T)] = skeleton.clearance_m
@@ -79,7 +79,7 @@ class FindCriticalLines:
         )
 
     def _walls(self, free: Mask, cell: Ints, cell_m: float) -> tuple[Ints, Ints]:
-        """The wall cell (k, 2) nearest to each cell, and the nearest opposite to it or else the same one again."""
+        """The wall cell (k, 2) nearest to each cell, and the nearest opposite one or, without one, the same again."""
         if not len(cell):
             return cell, cell
         wall = (np.argwhere(touches(np.pad(free, 1))) - 1).astype(np.int32)
@@ -88,7 +88,7 @@ class FindCriticalLines:
         which, to = near["i"], near["j"]
         away = wall[to] - cell[which]
         squared = (away * away).sum(axis=1)
-        start = to[nearest(which, to, squared)]  # there is one within half the reach
+        start = to[nearest(which, to, squared)]  # each cell has one within half the reach
         there = wall[start[which]] - cell[which]
         lengths = np.sqrt(squared * (there * there).sum(axis=1))
         apart = (away * there).sum(axis=1) <= math.cos(math.radians(self.apart_deg)) * lengths + EPSILON
@@ -99,26 +99,26 @@ class FindCriticalLines:
 
 
 def middles(group: Ints) -> Ints:
-    """The cell (k, 2) of each group of (h, w) that lies nearest to its mean, the first one at a tie; reading order."""
+    """The cell (k, 2) of each group (h, w) nearest to the group's mean, the first at a tie; in reading order."""
     cell = np.argwhere(group > 0)
     _, number, count = np.unique(group[group > 0], return_inverse=True, return_counts=True)
     total = np.stack([np.bincount(number, along) for along in cell.T], axis=1).astype(np.int64)
-    off = cell * count[number, None] - total[number]  # as whole numbers, so that it shifts with the map
+    off = cell * count[number, None] - total[number]  # integers, so that the result shifts with the map
     order = np.lexsort(((off * off).sum(axis=1), number))
     first = np.unique(number[order], return_index=True)[1]
     return cell[np.sort(order[first])].astype(np.int32)
 
 
 def nearest(which: NDArray[np.intp], to: NDArray[np.intp], squared: Ints) -> NDArray[np.intp]:
-    """For each of `which`, in order, the row with the least distance, then the lowest `to`."""
+    """The row of the smallest distance for each value of `which`, in order; the lowest `to` at a tie."""
     order = np.lexsort((to, squared, which))
     return order[np.unique(which[order], return_index=True)[1]]
 
 
 def minima(clearance_m: Raster, steps: int) -> Ints:
-    """Groups of points (h, w), 1 and up, whose clearance is the least within so many steps along the skeleton.
+    """Groups (h, w), numbered from 1, of points whose clearance is the smallest within `steps` along the skeleton.
 
-    `clearance_m` is infinite off the skeleton. Minima that reach each other are equal and make one group.
+    `clearance_m` is infinite off the skeleton. Minima within reach of each other are equal and form one group.
     """
     on = np.isfinite(clearance_m)
     least = clearance_m

@@ -1,4 +1,4 @@
-"""The second stand-in, after [8]: rooms are what is left of the free space far from walls, grown back."""
+"""The second baseline after [8]: rooms are the parts of the eroded free space, grown back."""
 
 from __future__ import annotations
 
@@ -28,21 +28,21 @@ EPSILON = 1e-9
 
 
 class ErodedSpace(Record):
-    """Where a robot far larger than the real one could stand: the cores of rooms."""
+    """The free space for a robot much larger than the real one: the cores of rooms."""
 
     topic: ClassVar[str] = "eroded"
 
     core: Annotated[NDArray[np.int32], Spec("labels", "height width")]
-    """4-connected components, 1 and up."""
+    """4-connected components, numbered from 1."""
     centre: Annotated[NDArray[np.int32], Spec("cell", "part 2")]
     area_m2: Annotated[NDArray[np.float64], Spec("column", "part", unit="m2", tolerance=1e-9)]
     kept: Annotated[NDArray[np.bool_], Spec("column", "part")]
-    """Large enough to be the core of a room."""
+    """Whether the component is large enough to be the core of a room."""
     frame: Frame
 
 
 class GrownRooms(Record):
-    """The cores that were kept, grown back until they meet."""
+    """The kept cores, grown back until they meet."""
 
     topic: ClassVar[str] = "grown"
 
@@ -52,15 +52,15 @@ class GrownRooms(Record):
 
 @dataclass(frozen=True, kw_only=True)
 class ErodeSpace:
-    """Keep what is far from walls, in pieces large enough."""
+    """Erode the free space, and keep the components that are large enough."""
 
     radius_m: Annotated[float, Within(0, 20)] = 0.75
-    """Cells no farther than this from the centre of one that is not free are taken away."""
+    """Cells up to this far from the centre of a cell that is not free are removed."""
     least_m2: Annotated[float, Within(0, 1e6)] = 0.5
-    """Pieces of at least this area are cores of rooms."""
+    """Components of at least this area are cores of rooms."""
 
     def __call__(self, simplified: SimplifiedGrid) -> ErodedSpace:
-        """The pieces in reading order."""
+        """The components in reading order."""
         eroded = clearance_m(simplified) > self.radius_m + EPSILON
         core, count = label_cells(eroded, connectivity=1, return_num=True)
         core = core.astype(np.int32)
@@ -76,10 +76,10 @@ class ErodeSpace:
 
 @dataclass(frozen=True, kw_only=True)
 class GrowRooms:
-    """Grow cores back over the free space, by a watershed of the distance to walls."""
+    """Grow the cores back over the free space, by a watershed of the distance to walls."""
 
     def __call__(self, simplified: SimplifiedGrid, eroded: ErodedSpace) -> GrownRooms:
-        """A room for each core that was kept, meeting in the narrow places; all is one room where there is none."""
+        """A room for each kept core, meeting the others at narrow places; a single room if no core was kept."""
         free = simplified.cells == FREE
         number = np.append(0, np.cumsum(eroded.kept) * eroded.kept)
         seeds = number[eroded.core] if eroded.kept.any() else free
@@ -89,10 +89,10 @@ class GrowRooms:
 
 @dataclass(frozen=True, kw_only=True)
 class LabelRooms:
-    """Carry the rooms to the input's resolution; wherever two of them touch is a door."""
+    """Transfer the rooms to the input's resolution, with a door wherever two of them touch."""
 
     def __call__(self, grid: OccupancyGrid, simplified: SimplifiedGrid, grown: GrownRooms) -> TopologicalMap:
-        """Rooms in reading order; doors are as wide as their rooms' contact, and none is an edge of a search."""
+        """Rooms in reading order; doors are as wide as the contact of their rooms, and none is an edge of a search."""
         labels = flooded(whole(at_input(grown.room, simplified.factor, grid.free)), grid.free)
         labels, _ = numbered(labels, int(grown.room.max(initial=0)))
         return map_of_labels(labels, grid)
@@ -100,7 +100,7 @@ class LabelRooms:
 
 @dataclass(frozen=True, kw_only=True)
 class ErodedSpacePipeline:
-    """Erosion, the pieces that are left, and what they grow back to."""
+    """The baseline that erodes the free space and grows the remaining components back to rooms."""
 
     simplify: SimplifyGrid = field(default_factory=SimplifyGrid)
     erode: ErodeSpace = field(default_factory=ErodeSpace)
@@ -110,12 +110,12 @@ class ErodedSpacePipeline:
 
     @property
     def records(self) -> tuple[type[Record], ...]:
-        """What a run emits, in this order."""
+        """The records that a run emits, in order."""
         edits = [Edits] if self.edit.edits else []
         return OccupancyGrid, SimplifiedGrid, ErodedSpace, GrownRooms, *edits, TopologicalMap
 
     def __call__(self, grid: OccupancyGrid, rng: np.random.Generator, emit: Emit = silent) -> TopologicalMap:
-        """Rooms and doors of `grid`; `emit` sees every stage's record on the way. Nothing is drawn from `rng`."""
+        """Rooms and doors of `grid`; `emit` is called with every stage's record. `rng` is not used."""
         del rng
         opened = self.edit.open_doors(emit(grid))
         simplified = emit(self.simplify(opened.grid))

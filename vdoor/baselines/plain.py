@@ -1,4 +1,4 @@
-"""Records with nothing in them, and maps without virtual doors: what the baselines do without."""
+"""Empty records, and maps without virtual doors, for the baselines."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ R = TypeVar("R", bound=Record)
 
 
 def without_corners(frame: Frame) -> tuple[BoundaryPath, Corners]:
-    """A path without samples, and no corners on it."""
+    """A boundary path without samples, and corners without rows."""
     return BoundaryPath(**no_rows(BoundaryPath), on_cracks=0, frame=frame), Corners(**no_rows(Corners), frame=frame)
 
 
 def no_rows(record: type[Record]) -> dict[str, NDArray[Any]]:
-    """The tables of a type of record, all empty."""
+    """The columns of a record type, all with zero rows."""
     return {
         name: np.zeros([int(axis) if axis.isdigit() else 0 for axis in spec.axes], dtype)
         for name, (spec, dtype) in specs(record).items()
@@ -36,5 +36,5 @@ def no_rows(record: type[Record]) -> dict[str, NDArray[Any]]:
 
 
 def map_of_labels(labels: Ints, grid: OccupancyGrid) -> TopologicalMap:
-    """The map of rooms (h, w); wherever two of them touch is a door."""
+    """The topological map of rooms (h, w), with a door wherever two of them touch."""
     return map_of(labels, grid.frame, passages_at(*contacts(labels), grid.frame), Features.none())

@@ -1,4 +1,4 @@
-"""The generalised Voronoi diagram of the free space, as thinning leaves it, and how far its cells are from walls."""
+"""The generalised Voronoi diagram of the free space, approximated by thinning, with its clearance from walls."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ from vdoor.record import Record, Spec
 
 
 class Skeleton(Record):
-    """Lines one cell wide in the middle of the free space, cells in reading order."""
+    """One-cell-wide lines in the middle of the free space, cells in reading order."""
 
     topic: ClassVar[str] = "skeleton"
 
     cell: Annotated[NDArray[np.int32], Spec("cell", "point 2")]
     clearance_m: Annotated[NDArray[np.float64], Spec("column", "point", unit="m", tolerance=1e-9)]
-    """To the centre of the nearest cell that is not free."""
+    """Distance to the centre of the nearest cell that is not free."""
     frame: Frame
 
 
@@ -32,7 +32,7 @@ class DrawSkeleton:
     """Thin the free space to its skeleton."""
 
     def __call__(self, simplified: SimplifiedGrid) -> Skeleton:
-        """8-connected lines, with a branch towards every corner that thinning leaves one in."""
+        """8-connected lines, with the branches towards corners that thinning leaves."""
         thin = np.asarray(skeletonize(np.pad(simplified.cells == FREE, 1)))[1:-1, 1:-1]
         return Skeleton(
             cell=np.argwhere(thin).astype(np.int32),
@@ -42,9 +42,9 @@ class DrawSkeleton:
 
 
 def clearance_m(simplified: SimplifiedGrid) -> NDArray[np.float64]:
-    """Distance (h, w) of each free cell's centre to that of the nearest cell that is not; 0 where not free.
+    """Distance (h, w) from each free cell's centre to the centre of the nearest cell that is not free; else 0.
 
-    What lies beyond the map's edge is not free.
+    Everything outside the map counts as not free.
     """
     free = np.pad(simplified.cells == FREE, 1)
     distance: NDArray[np.float64] = ndimage.distance_transform_edt(free)

@@ -1,4 +1,4 @@
-"""The first stand-in, after [8]: doors wherever the Voronoi diagram passes between two walls close together."""
+"""The first baseline after [8]: doors wherever the Voronoi diagram passes between two walls close together."""
 
 from __future__ import annotations
 
@@ -23,15 +23,15 @@ from vdoor.raster.lines import lines_between
 from vdoor.record import Record
 from vdoor.topology import KINDS, TopologicalMap
 
-KIND = KINDS.index("pair")  # a door between two places, though they are no corners
+KIND = KINDS.index("pair")  # a door between two points, though these are not corners
 
 
 @dataclass(frozen=True, kw_only=True)
 class CrossNarrows:
-    """Lay a virtual door across each narrow place, from wall to wall."""
+    """Place a virtual door across each narrow place, from wall to wall."""
 
     def __call__(self, simplified: SimplifiedGrid, narrows: CriticalLines) -> VirtualDoors:
-        """One for each narrow place with walls on both sides, in their order; corners are -1."""
+        """One virtual door per narrow place with walls on both sides, in their order; corners are -1."""
         free = simplified.cells == FREE
         rows = np.flatnonzero(narrows.fate == NARROW)
         start, end = narrows.start[rows], narrows.end[rows]
@@ -61,7 +61,7 @@ class CrossNarrows:
 
 @dataclass(frozen=True, kw_only=True)
 class VoronoiDoorsPipeline:
-    """Skeleton, narrow places, a door across each; every door that separates anything is kept."""
+    """The baseline of doors across the skeleton's narrow places; all doors that separate something are kept."""
 
     simplify: SimplifyGrid = field(default_factory=SimplifyGrid)
     skeleton: DrawSkeleton = field(default_factory=DrawSkeleton)
@@ -74,7 +74,7 @@ class VoronoiDoorsPipeline:
 
     @property
     def records(self) -> tuple[type[Record], ...]:
-        """What a run emits, in this order."""
+        """The records that a run emits, in order."""
         return (
             OccupancyGrid,
             SimplifiedGrid,
@@ -88,7 +88,7 @@ class VoronoiDoorsPipeline:
         )
 
     def __call__(self, grid: OccupancyGrid, rng: np.random.Generator, emit: Emit = silent) -> TopologicalMap:
-        """Rooms and doors of `grid`; `emit` sees every stage's record on the way. Nothing is drawn from `rng`."""
+        """Rooms and doors of `grid`; `emit` is called with every stage's record. `rng` is not used."""
         del rng
         opened = self.edit.open_doors(emit(grid))
         simplified = emit(self.simplify(opened.grid))
@@ -105,6 +105,6 @@ class VoronoiDoorsPipeline:
 
 
 def everything_kept(problem: MergeProblem) -> Generation:
-    """The one choice there is without a search, and what it would cost in one."""
+    """The choice that keeps all doors, as a single generation with its cost."""
     nothing_removed = np.zeros((1, problem.edges), np.bool_)
     return summary(0, 1, nothing_removed, problem.evaluate(nothing_removed))

@@ -1,4 +1,4 @@
-"""What people change about a finished map: names, ids, rooms merged or split, doors added, removed or opened.
+"""Edits of a finished map: naming, numbering, merging and splitting rooms; adding, removing and opening doors.
 
 >>> import vdoor
 >>> topology = vdoor.run(vdoor.read_map("recordings/flat.yaml"))

@@ -1,4 +1,4 @@
-"""After the search: what people change about the rooms and doors that were found."""
+"""Applying edits to the rooms and doors found by the search."""
 
 from __future__ import annotations
 
@@ -26,11 +26,11 @@ from vdoor.topology import TopologicalMap
 DONE, NEEDLESS = "done", "not needed"
 VERDICTS = (DONE, NEEDLESS, "no room there", "no door there", "no wall there", "rooms do not touch", "parts nothing")
 REACH_M = 0.5
-"""How far a place may lie from what it means."""
+"""Largest distance between the position in an edit and the room or door it refers to."""
 
 
 class Edits(Record):
-    """What came of each edit; only of runs that have edits."""
+    """The outcome of each edit; only in runs with edits."""
 
     topic: ClassVar[str] = "edits"
 
@@ -38,28 +38,28 @@ class Edits(Record):
     verdict: Annotated[NDArray[np.uint8], Spec("code", "edit", words=VERDICTS)]
     start_m: Annotated[NDArray[np.float64], Spec("column", "edit 2", unit="m")]
     end_m: Annotated[NDArray[np.float64], Spec("column", "edit 2", unit="m")]
-    """The places as x, y; the second is nan for an edit of one place."""
+    """The positions as x, y; the second is nan for an edit with one position."""
     touched_edit: Annotated[NDArray[np.int32], Spec("column", "touch")]
     touched_room: Annotated[NDArray[np.int32], Spec("column", "touch")]
-    """Which edit speaks of which rooms, by the ids that these end with."""
+    """The rooms that each edit refers to, by their final ids."""
 
 
 class Edited(NamedTuple):
-    """The map after the edits, and what came of them: None where there were none."""
+    """The map after the edits, and their outcomes, None if there are no edits."""
 
     topology: TopologicalMap
     edits: Edits | None
 
 
 class OpenedDoors(NamedTuple):
-    """The map with closed doors opened, and what was opened for each edit, None where there is no wall."""
+    """The map with closed doors opened, and the opening of each `closed-door` edit, None if no wall was found."""
 
     grid: OccupancyGrid
     openings: dict[Edit, Opening | None]
 
 
 class Outcome(NamedTuple):
-    """What came of one edit, and the keys of the rooms that it speaks of."""
+    """The outcome of one edit: its verdict, and the keys of the rooms it refers to."""
 
     verdict: str
     rooms: Sequence[int] = ()
@@ -67,16 +67,16 @@ class Outcome(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True)
 class EditRooms:
-    """Name, number, merge and split rooms, add and remove doors, open doors that were shut."""
+    """Name, number, merge and split rooms, add and remove doors, open closed doors."""
 
     edits: tuple[str, ...] = ()
-    """Edits, one after the other, as in "name 1.2,3.4 Kitchen"; also from files by --edits and places by
-    --closed-door. All of them: name, number, merge, split, add-door, remove-door, closed-door."""
+    """Edits applied in order, such as "name 1.2,3.4 Kitchen"; --edits adds those in a file, --closed-door adds one.
+    Kinds: name, number, merge, split, add-door, remove-door, closed-door."""
     taken: Annotated[int, Within(0, MOST_ID)] = 0
-    """Ids up to this one have been given to rooms before: rooms made by edits get higher ones."""
+    """Highest room id used so far; rooms created by edits get higher ones."""
 
     def __post_init__(self) -> None:
-        """Refuse lines that are no edits."""
+        """Raise `SettingError` for a line that is not a valid edit."""
         for line in self.edits:
             try:
                 parse(line)
@@ -85,11 +85,11 @@ class EditRooms:
 
     @cached_property
     def parsed(self) -> tuple[Edit, ...]:
-        """The edits."""
+        """The edits, parsed."""
         return tuple(parse(line) for line in self.edits)
 
     def open_doors(self, grid: OccupancyGrid) -> OpenedDoors:
-        """The map with closed doors opened; what has none stays as it is."""
+        """The map with the doors of all `closed-door` edits opened; unchanged if there are none."""
         closed = [edit for edit in self.parsed if edit.kind == "closed-door"]
         found = openings(grid.free, grid.frame, [edit.places_m[0] for edit in closed])
         through = [opening for opening in found if opening is not None]
@@ -101,16 +101,16 @@ class EditRooms:
         return OpenedDoors(grid, dict(zip(closed, found, strict=True)))
 
     def __call__(self, topology: TopologicalMap, opened: OpenedDoors | None = None) -> Edited:
-        """The edited map; `opened` is what `open_doors` made of the map as read.
+        """The edited map; `opened` is the result of `open_doors`.
 
-        An edit that cannot be done changes nothing and has a verdict that says why. Doors lie where rooms touch, as
-        before, and those along a cut are of the kind `added`.
+        An edit that cannot be applied changes nothing; its verdict is the reason. Doors remain where rooms touch, and
+        those along a cut have the kind `added`.
         """
         if not self.edits:
             return Edited(topology, None)
         draft = Draft(topology, taken=self.taken)
-        desk = Desk(draft, opened.openings if opened is not None else {})
-        outcomes = [DO[edit.kind](desk, edit) for edit in self.parsed]
+        context = Context(draft, opened.openings if opened is not None else {})
+        outcomes = [APPLY[edit.kind](context, edit) for edit in self.parsed]
         return Edited(draft.finished(), self._record(outcomes, draft))
 
     def _record(self, outcomes: Sequence[Outcome], draft: Draft) -> Edits:
@@ -134,18 +134,18 @@ class EditRooms:
 
 
 @dataclass(frozen=True)
-class Desk:
-    """Where edits are done: the draft, and the openings of closed doors."""
+class Context:
+    """What an edit is applied to: the draft, and the openings of closed doors."""
 
     draft: Draft
     openings: dict[Edit, Opening | None] = field(default_factory=dict)
 
     def room_at(self, place_m: Point) -> int:
-        """Key of the room at a place or, within reach, nearest to it; 0 where there is none."""
+        """The key of the room at a position, or of the nearest one within reach; 0 if there is none."""
         return room_near(self.draft, place_m)
 
     def doors_at(self, place_m: Point) -> NDArray[np.intp]:
-        """Rows of the door nearest to a place, one for each pair of its rooms; none where none is in reach."""
+        """The rows of the door nearest to a position, one per pair of its rooms; empty if none is within reach."""
         doors = self.draft.doors
         apart_m = [
             float(to_segment_m(np.array([place_m]), start, end)[0])
@@ -158,7 +158,7 @@ class Desk:
         return np.flatnonzero(same)
 
     def cut(self, start_m: Point, end_m: Point, *, reach_m: float, gap_m: float = 0.0) -> Outcome:
-        """Split along a line."""
+        """The outcome of splitting a room along a line."""
         start, end = self.draft.frame.cell_from_world(np.array([start_m, end_m]))
         cell_m = self.draft.frame.resolution_m
         rooms = self.draft.split(start, end, reach=reach_m / cell_m, gap=gap_m / cell_m)
@@ -168,16 +168,16 @@ class Desk:
 
 
 def edited(topology: TopologicalMap, edits: Iterable[str]) -> TopologicalMap:
-    """The map after edits, one after the other, as in ``name 1.2,3.4 Kitchen``; `vdoor.editing.edits` lists all forms.
+    """The map after edits such as ``name 1.2,3.4 Kitchen``, applied in order; `vdoor.editing.edits` lists all forms.
 
-    An edit that cannot be done here changes nothing. Raises `SettingError` for a line that is no edit.
+    An edit that cannot be applied to this map changes nothing. Raises `SettingError` for a line that is not an edit.
     """
     after = EditRooms(edits=tuple(edits))(topology).topology
     return dataclasses.replace(after, own_origin_cm=topology.own_origin_cm)
 
 
 def room_near(rooms: Draft | TopologicalMap, place_m: Point) -> int:
-    """Label of the room at a place or, within reach, nearest to it; 0 where there is none."""
+    """The label of the room at a position, or of the nearest one within reach; 0 if there is none."""
     labels, frame = rooms.labels, rooms.frame
     place = frame.cell_from_world(np.array([place_m]))[0]
     reach = REACH_M / frame.resolution_m
@@ -192,66 +192,67 @@ def room_near(rooms: Draft | TopologicalMap, place_m: Point) -> int:
     return int(near[tuple(cells[np.argmin(distance)])])
 
 
-def _name(desk: Desk, edit: Edit) -> Outcome:
-    room = desk.room_at(edit.places_m[0])
+def _name(context: Context, edit: Edit) -> Outcome:
+    room = context.room_at(edit.places_m[0])
     if not room:
         return Outcome("no room there")
-    same = desk.draft.name_of.get(room) == edit.name
-    desk.draft.name_of[room] = edit.name
+    same = context.draft.name_of.get(room) == edit.name
+    context.draft.name_of[room] = edit.name
     return Outcome(NEEDLESS if same else DONE, [room])
 
 
-def _number(desk: Desk, edit: Edit) -> Outcome:
-    room = desk.room_at(edit.places_m[0])
+def _number(context: Context, edit: Edit) -> Outcome:
+    room = context.room_at(edit.places_m[0])
     if not room:
         return Outcome("no room there")
-    if desk.draft.id_of[room] == edit.id:
+    if context.draft.id_of[room] == edit.id:
         return Outcome(NEEDLESS, [room])
-    desk.draft.number(room, edit.id)
+    context.draft.number(room, edit.id)
     return Outcome(DONE, [room])
 
 
-def _merge(desk: Desk, edit: Edit) -> Outcome:
-    one, other = (desk.room_at(place) for place in edit.places_m)
+def _merge(context: Context, edit: Edit) -> Outcome:
+    one, other = (context.room_at(place) for place in edit.places_m)
     if not (one and other):
         return Outcome("no room there", [room for room in (one, other) if room])
     if one == other:
         return Outcome(NEEDLESS, [one])
-    if not desk.draft.touch(one, other):
+    if not context.draft.touch(one, other):
         return Outcome("rooms do not touch", [one, other])
-    desk.draft.merge(one, other)
+    context.draft.merge(one, other)
     return Outcome(DONE, [one])
 
 
-def _split(desk: Desk, edit: Edit) -> Outcome:
+def _split(context: Context, edit: Edit) -> Outcome:
     start_m, end_m = edit.places_m
-    return desk.cut(start_m, end_m, reach_m=np.inf, gap_m=REACH_M)
+    return context.cut(start_m, end_m, reach_m=np.inf, gap_m=REACH_M)
 
 
-def _add_door(desk: Desk, edit: Edit) -> Outcome:
+def _add_door(context: Context, edit: Edit) -> Outcome:
     start_m, end_m = edit.places_m
-    return desk.cut(start_m, end_m, reach_m=REACH_M)
+    return context.cut(start_m, end_m, reach_m=REACH_M)
 
 
-def _remove_door(desk: Desk, edit: Edit) -> Outcome:
-    rows = desk.doors_at(edit.places_m[0])
+def _remove_door(context: Context, edit: Edit) -> Outcome:
+    rows = context.doors_at(edit.places_m[0])
     if not len(rows):
         return Outcome("no door there")
-    rooms = np.unique([desk.draft.doors.room_a[rows], desk.draft.doors.room_b[rows]])
-    cells = [np.count_nonzero(desk.draft.labels == room) for room in rooms]
+    rooms = np.unique([context.draft.doors.room_a[rows], context.draft.doors.room_b[rows]])
+    cells = [np.count_nonzero(context.draft.labels == room) for room in rooms]
     kept, *others = rooms[np.argsort(-np.array(cells), kind="stable")].tolist()
     for other in others:
-        desk.draft.merge(kept, other)
+        context.draft.merge(kept, other)
     return Outcome(DONE, [kept])
 
 
-def _closed_door(desk: Desk, edit: Edit) -> Outcome:
-    """What was opened before the search is a door after it, unless another way around it leads to the same room.
+def _closed_door(context: Context, edit: Edit) -> Outcome:
+    """The outcome of a `closed-door` edit, whose wall was opened before the search.
 
-    Where the place is in a room the door stood open when this map was made.
+    If both sides of the opening are the same room, it is cut at the door. If the position is in a room, not in a wall,
+    the door was open when the map was made and no change is needed.
     """
-    frame, labels = desk.draft.frame, desk.draft.labels
-    opening = desk.openings.get(edit)
+    frame, labels = context.draft.frame, context.draft.labels
+    opening = context.openings.get(edit)
     if opening is None:
         cell = np.floor(frame.cell_from_world(np.array([edit.places_m[0]])) + 0.5).astype(np.int64)
         room = int(labels[tuple(cell[0])]) if within(cell, labels.shape)[0] else 0
@@ -262,10 +263,10 @@ def _closed_door(desk: Desk, edit: Edit) -> Outcome:
     if sides[0] != sides[1]:
         return Outcome(DONE, sides)
     start_m, end_m = frame.world_from_cell(np.array([opening.start, opening.end])).tolist()
-    return desk.cut(start_m, end_m, reach_m=REACH_M)
+    return context.cut(start_m, end_m, reach_m=REACH_M)
 
 
-DO: dict[str, Callable[[Desk, Edit], Outcome]] = {
+APPLY: dict[str, Callable[[Context, Edit], Outcome]] = {
     "name": _name,
     "number": _number,
     "merge": _merge,
@@ -277,6 +278,6 @@ DO: dict[str, Callable[[Desk, Edit], Outcome]] = {
 
 
 def told(edits: Edits, lines: Sequence[str]) -> Iterator[tuple[str, str]]:
-    """Each edit as a line, with its verdict."""
+    """Each edit as a line of text, and its verdict."""
     for line, verdict in zip(lines, edits.verdict.tolist(), strict=True):
         yield line, VERDICTS[verdict]

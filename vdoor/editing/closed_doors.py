@@ -1,4 +1,4 @@
-"""Doors that were shut when the map was made: where the wall they left is opened."""
+"""Doors that were closed when the map was made: finding the passage to open through the wall."""
 
 from __future__ import annotations
 
@@ -18,16 +18,17 @@ Ints = NDArray[np.int32]
 Mask = NDArray[np.bool_]
 
 DOOR_M = 0.8
-"""How wide a closed door is opened, where the wall is that long."""
+"""Width of the opening, or less if the wall is shorter."""
 THICKEST_M = 1.0
+"""Largest thickness of the wall."""
 REACH_M = 0.3
-"""How far beside the wall a place may lie."""
+"""Largest distance between the position in an edit and the wall."""
 UNEVEN_M = 0.2
 """How much thicker the wall may be at the sides of the door than in its middle."""
 LEAST_M2 = 0.25
-"""Free cells of less are no side that a door could lead to."""
+"""Smallest area of free space that a door can lead to."""
 WAYS = 24
-"""Directions that are tried, the grid's axes among them."""
+"""Number of directions tried through the wall, including the grid's axes."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,25 +36,25 @@ class Opening:
     """A passage through a wall."""
 
     cells: Ints
-    """Cells (k, 2) that become free."""
+    """The cells (k, 2) to become free."""
     start: Floats
     end: Floats
-    """The door's line, in the middle of the wall, as row, col (2,)."""
+    """Ends of the door's line, in the middle of the wall, as row, col (2,)."""
     sides: Ints
-    """A free cell (2, 2) on either side."""
+    """A free cell on each side (2, 2)."""
 
 
 def openings(free: Mask, frame: Frame, places_m: Iterable[Point]) -> list[Opening | None]:
-    """For each place the thinnest straight passage through cells that are not free; None where there is none.
+    """For each position, the shortest straight passage through cells that are not free; None if there is none.
 
-    A passage has free space on both sides, the wall being at most a metre thick.
+    A passage has free space on both sides, and the wall is at most `THICKEST_M` thick.
     """
     sides = _with_room(free, LEAST_M2 / frame.resolution_m**2) if (places_m := list(places_m)) else free
     return [_opening(sides, frame.cell_from_world(np.array([place]))[0], 1 / frame.resolution_m) for place in places_m]
 
 
 def _with_room(free: Mask, least: float) -> Mask:
-    """Free cells in 4-connected parts of at least so many."""
+    """The free cells in 4-connected parts of at least `least` cells."""
     label, _ = ndimage.label(free)
     cells = np.bincount(label.ravel())
     cells[0] = 0
@@ -82,7 +83,7 @@ def _opening(free: Mask, place: Floats, cells_m: float) -> Opening | None:
 
 
 def _nearest_wall(free: Mask, place: Floats, reach: float) -> Floats | None:
-    """The cell (2,) nearest to a place that is not free, None where none is in reach or the place is off the map."""
+    """The cell (2,), not free, nearest to a position; None if none is within reach or the position is off the map."""
     if not within(place[None], (*free.shape,))[0]:
         return None
     span = np.arange(-int(reach) - 1, int(reach) + 2)
@@ -95,7 +96,7 @@ def _nearest_wall(free: Mask, place: Floats, reach: float) -> Floats | None:
 
 
 def _run(free: Mask, middle: Floats, way: Floats, most: float) -> tuple[float, float]:
-    """Where along a way the wall around a cell begins and ends, in cells from it; infinite where it does not."""
+    """Where the wall begins and ends along a direction, in cells from `middle`; infinite if beyond `most`."""
     step = np.arange(0, most + 1.5, 0.5)
     found = []
     for sign in (-1, 1):
@@ -107,7 +108,10 @@ def _run(free: Mask, middle: Floats, way: Floats, most: float) -> tuple[float, f
 
 
 def _widened(free: Mask, middle: Floats, way: Floats, *, most: float, half: float) -> tuple[float, float, Ints]:
-    """How far the passage goes to both sides along the wall, and its cells, as long as the wall is no thicker."""
+    """How far the passage extends to both sides along the wall, and its cells.
+
+    It ends after `half` cells, or where the wall is thicker than `most`.
+    """
     along = np.array([-way[1], way[0]])
     cells, ends = [], []
     for sign in (-1, 1):

@@ -1,19 +1,19 @@
-"""Edits: what people change about rooms and doors, each a line of text or a table of `edits.toml`.
+"""Edits: changes to rooms and doors, each a line of text or a table of `edits.toml`.
 
 ======================  ==============================================================================================
-``name X,Y NAME``       the room there is called NAME
-``number X,Y ID``       the room there has that id; a room that had it takes the one that this room had
-``merge X,Y X,Y``       the two rooms become one, which keeps the id and name of the first; they must touch
-``split X,Y X,Y``       the room that most of this line lies in is cut along it, the line going on to its walls (and
-                        behind obstacles of half a metre, if that parts nothing); the largest part keeps id and name,
-                        others get new ids
-``add-door X,Y X,Y``    the same with a line that goes on for half a metre at most: a door from jamb to jamb
-``remove-door X,Y``     the rooms that the door there joins become one, which keeps the larger one's id and name
-``closed-door X,Y``     the wall there is a door that was shut: it is opened before the search, and is a door after it
+``name X,Y NAME``       give the room there the name NAME
+``number X,Y ID``       give the room there that id; a room that already has it gets this room's id instead
+``merge X,Y X,Y``       merge the second room into the first, which keeps its id and name; the rooms must touch
+``split X,Y X,Y``       cut the room that contains most of this line along it; the line is extended to the walls and, if
+                        that does not separate the room, across obstacles up to half a metre wide; the largest part
+                        keeps the id and name, the others get new ids
+``add-door X,Y X,Y``    the same, with the line extended by at most half a metre: a door from jamb to jamb
+``remove-door X,Y``     merge the rooms that the door there joins; the largest one's id and name are kept
+``closed-door X,Y``     the wall there is a door that was closed: open it before the search, and keep it as a door
 ======================  ==============================================================================================
 
-X,Y are metres in the map frame. Edits say places and no ids, so that they hold when the map is made again; a place that
-lies in no room means the nearest room within half a metre.
+X,Y are in metres in the map frame. Edits refer to positions, not ids, so that they remain valid when the map is made
+again. A position in no room refers to the nearest room within half a metre.
 """
 
 from __future__ import annotations
@@ -32,19 +32,19 @@ from vdoor.files import write_whole
 from vdoor.record import TEXT
 
 MOST_ID = 65_535
-"""What a label image can hold."""
-HEADER = "# Edits of rooms and doors, done one after the other: vdoor run MAP --edits THIS_FILE\n"
+"""Highest id that a 16-bit label image can store."""
+HEADER = "# Edits of rooms and doors, applied in order: vdoor run MAP --edits THIS_FILE\n"
 
 
 class Form(NamedTuple):
-    """What an edit of one kind says: the keys of its places in a file, and of its name or number."""
+    """The arguments of one kind of edit: the keys, in a file, of its positions and of its name or id."""
 
     places: tuple[str, ...]
     word: str = ""
 
     @property
     def usage(self) -> str:
-        """What follows the kind in a line."""
+        """The arguments as they follow the kind in a line of text."""
         return " ".join(["X,Y"] * len(self.places) + ([self.word.upper()] if self.word else []))
 
 
@@ -61,7 +61,7 @@ FORMS = {
 
 @dataclass(frozen=True)
 class Edit:
-    """One edit; `SettingError` where it cannot be one."""
+    """One edit; raises `SettingError` for an invalid name or id."""
 
     kind: str
     places_m: tuple[Point, ...]
@@ -69,30 +69,30 @@ class Edit:
     id: int = 0
 
     def __post_init__(self) -> None:
-        """Check what can be checked without a map."""
+        """Check the name and the id."""
         if self.kind == "name" and not (self.name.strip() and TEXT.fullmatch(self.name)):
-            raise SettingError(f"edit: wanted a name of 1 to 100 characters in a line, found {self.name!r}")
+            raise SettingError(f"edit: wanted a name of one line and 1 to 100 characters, found {self.name!r}")
         if self.kind == "number" and not 1 <= self.id <= MOST_ID:
             raise SettingError(f"edit: wanted a room id of 1 to {MOST_ID}, found {self.id}")
 
     def __str__(self) -> str:
-        """The edit as a line."""
+        """The edit as a line of text."""
         word = {"name": self.name, "number": str(self.id)}.get(self.kind)
         return " ".join([self.kind, *map(place_text, self.places_m), *([word] if word else [])])
 
     @property
     def shapes(self) -> bool:
-        """Whether it changes where rooms and doors are, and not only what rooms are called."""
+        """Whether the edit changes the shapes of rooms or doors, rather than names or ids."""
         return not FORMS[self.kind].word
 
     def moved(self, by_m: Point) -> Edit:
-        """The same elsewhere."""
+        """The edit with its positions shifted."""
         places = tuple((x_m + by_m[0], y_m + by_m[1]) for x_m, y_m in self.places_m)
         return Edit(self.kind, places, self.name, self.id)
 
 
 def parse(line: str) -> Edit:
-    """The edit that a line says; `SettingError` where it says none."""
+    """The edit in a line of text; raises `SettingError` if it is invalid."""
     kind, _, rest = line.strip().partition(" ")
     if kind not in FORMS:
         raise SettingError(f"edit: wanted one of {', '.join(FORMS)}, found {line!r}")
@@ -116,12 +116,12 @@ def _edit(kind: str, places_m: tuple[Point, ...], word: str) -> Edit:
 
 
 def read_edits(path: Path) -> list[Edit]:
-    """The edits of a TOML file in their order; `SettingError` for the first that is none, the path last."""
+    """The edits in a TOML file, in order; raises `SettingError` for the first invalid one, with the path last."""
     return [*_read(path)[1]]
 
 
 def append_edits(path: Path, edits: Sequence[Edit]) -> None:
-    """Write edits at the end of a file, made if it is missing; what stands there stays as it is."""
+    """Append edits to a TOML file, created if missing; its existing text is kept."""
     text = _read(path)[0] if path.exists() else HEADER
     text += "" if text.endswith("\n") or not text else "\n"
     text += "".join(f"\n{to_toml(edit)}" for edit in edits)
@@ -130,7 +130,7 @@ def append_edits(path: Path, edits: Sequence[Edit]) -> None:
 
 
 def to_toml(edit: Edit) -> str:
-    """One edit as a table of a TOML file."""
+    """An edit as a table of a TOML file."""
     form = FORMS[edit.kind]
     lines = ["[[edit]]", f'do = "{edit.kind}"']
     for key, place in zip(form.places, edit.places_m, strict=True):
@@ -141,7 +141,7 @@ def to_toml(edit: Edit) -> str:
 
 
 def _read(path: Path) -> tuple[str, list[Edit]]:
-    """The text of a file and its edits."""
+    """The text of a TOML file, and its edits."""
     try:
         text = path.read_text(encoding="utf-8")
     except UnicodeDecodeError as error:
@@ -154,11 +154,11 @@ def _read(path: Path) -> tuple[str, list[Edit]]:
 def _parsed(text: str, path: Path) -> list[Edit]:
     try:
         document = tomllib.loads(text)
-    except (ValueError, RecursionError) as error:  # of which one is a number of thousands of digits
+    except (ValueError, RecursionError) as error:  # ValueError: also for a number with thousands of digits
         raise SettingError(f"edits file: wanted TOML, found: {error}: {path}") from error
     tables = document.pop("edit", [])
     if document or not isinstance(tables, list):
-        found = f"{next(iter(document))!r}" if document else "another edit"
+        found = f"{next(iter(document))!r}" if document else f"edit = {tables!r:.60}"
         raise SettingError(f"edits file: wanted tables [[edit]] and nothing else, found {found}: {path}")
     return [*_edits(tables, path)]
 
@@ -183,7 +183,8 @@ def _from_table(table: Any) -> Edit:
     places = tuple(_place(table[key], key) for key in form.places)
     word = table[form.word] if form.word else ""
     if type(word) is not (int if kind == "number" else str):
-        raise SettingError(f"{form.word}: wanted {'a whole number' if kind == 'number' else 'text'}, found {word!r}")
+        type_name = "a whole number" if kind == "number" else "a string"
+        raise SettingError(f"{form.word}: wanted {type_name}, found {word!r}")
     return _edit(kind, places, str(word))
 
 

@@ -1,4 +1,4 @@
-"""Places as people write them: X,Y."""
+"""Positions written as text: X,Y."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ FARTHEST = 1e9
 
 
 def parse_place(text: str, *, what: str = "place", wanted: str = "X,Y") -> Point:
-    """Two numbers, of a size that a map can have; `SettingError` that says `what` they are for, and what was wanted."""
+    """A position as x, y; raises `SettingError`, with `what` and `wanted`, unless the text is two valid numbers."""
     try:
         x, y = (float(part) for part in text.split(","))
     except ValueError:
@@ -22,5 +22,5 @@ def parse_place(text: str, *, what: str = "place", wanted: str = "X,Y") -> Point
 
 
 def place_text(place: Point) -> str:
-    """X,Y to a millimetre, as short as can be."""
+    """X,Y rounded to a millimetre, without trailing zeros."""
     return ",".join(f"{round(value, 3) + 0.0:.3f}".rstrip("0").rstrip(".") for value in place)

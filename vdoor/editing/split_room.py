@@ -1,4 +1,4 @@
-"""A room cut along a line."""
+"""Cutting a room along a line."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ Mask = NDArray[np.bool_]
 
 
 def clipped(start: Floats, end: Floats, shape: tuple[int, ...]) -> tuple[Floats, Floats]:
-    """The part of a line between two points (2,) that lies in or beside a raster; a place off it where none does."""
+    """The part of a line between two points (2,) that is in a raster or its margin of a cell; off it if none is."""
     low, span = -np.ones(2), end - start
     high = np.array(shape, np.float64)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -31,24 +31,24 @@ def clipped(start: Floats, end: Floats, shape: tuple[int, ...]) -> tuple[Floats,
 
 
 def line_cells(start: Floats, end: Floats) -> Ints:
-    """The cells (k, 2) of a straight line between two points (2,) as row, col, ends included, 8-connected."""
+    """The cells (k, 2), as row, col, of a straight 8-connected line between two points (2,), including its ends."""
     span = end - start
     axis = int(np.argmax(np.abs(span)))
     first, last = np.floor([start[axis] + 0.5, end[axis] + 0.5]).astype(int).tolist()
     way = 1 if last >= first else -1
-    step = np.arange(first, last + way, way)  # one cell for each step along the longer axis
+    step = np.arange(first, last + way, way)  # one cell per step along the longer axis
     cells = start + (step[:, None] - start[axis]) * (span / span[axis] if span[axis] else 0.0)
     cells[:, axis] = step
     return np.asarray(np.floor(cells + 0.5), np.int32)
 
 
 def within(cells: NDArray[Any], shape: tuple[int, ...]) -> Mask:
-    """Which cells (k, 2) lie on a raster."""
+    """Which cells (k, 2) are inside a raster."""
     return np.asarray(((cells >= 0) & (cells < shape)).all(axis=1))
 
 
 def room_of_line(labels: Ints, start: Floats, end: Floats) -> int:
-    """The room that most cells of a line are in, the lowest at a tie; 0 where none is."""
+    """The room that contains most cells of a line, the lowest at a tie; 0 if none."""
     cells = line_cells(start, end)
     crossed = labels[tuple(cells[within(cells, labels.shape)].T)]
     count = np.bincount(crossed[crossed > 0], minlength=1)
@@ -56,9 +56,9 @@ def room_of_line(labels: Ints, start: Floats, end: Floats) -> int:
 
 
 def prolonged(own: Mask, start: Floats, end: Floats, *, reach: float, gap: float = 0.0) -> Ints:
-    """The cells (k, 2) of a line in a room (h, w), going on at both ends as far as the room, `reach` cells at most.
+    """The cells (k, 2) in a room (h, w) of a line extended at both ends to the room's edge, by at most `reach` cells.
 
-    It goes on behind what is not the room's and at most `gap` cells wide.
+    It continues across stretches outside the room of at most `gap` cells.
     """
     span = end - start
     unit = span / max(float(np.hypot(*span)), 1e-9)
@@ -77,7 +77,7 @@ def prolonged(own: Mask, start: Floats, end: Floats, *, reach: float, gap: float
 
 
 def borders(labels: Ints, cells: Ints) -> Mask:
-    """Which cells (k, 2) have one of another room among their eight neighbours."""
+    """Which cells (k, 2) have a cell of another room among their eight neighbours."""
     around = np.pad(labels, 1)
     own = labels[tuple(cells.T)]
     near = np.stack([around[cells[:, 0] + down, cells[:, 1] + right] for down in range(3) for right in range(3)])
@@ -85,9 +85,9 @@ def borders(labels: Ints, cells: Ints) -> Mask:
 
 
 def parts(own: Mask, cells: Ints, least: float) -> tuple[Ints, int]:
-    """The parts (h, w) 1, 2, ... of a room once cells are taken from it, the largest first, and how many there are.
+    """The parts 1, 2, ... (h, w) of a room without some cells, the largest first, and the number of parts.
 
-    Parts of fewer than `least` cells, and the cells that were taken, go to the part that is nearest by walking.
+    The removed cells, and parts of fewer than `least` cells, are added to the nearest part along the room's cells.
     """
     rest = own.copy()
     rest[tuple(cells.T)] = False

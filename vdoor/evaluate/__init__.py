@@ -1,4 +1,4 @@
-"""How good a division of a map into rooms is, measured against the truth."""
+"""How well a map is divided into rooms and doors, measured against ground truth."""
 
 from vdoor.evaluate.cases import Case, Cases, matched
 from vdoor.evaluate.division import Division, MapChoice, read_division

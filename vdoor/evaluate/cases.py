@@ -1,4 +1,4 @@
-"""Which result is measured against which reference: by their names where there are several."""
+"""Pairing results with references, by name if there are several."""
 
 from __future__ import annotations
 
@@ -13,23 +13,23 @@ from vdoor.formats.valetudo_json import is_valetudo
 
 REFERENCE_SUFFIXES = (*LABEL_SUFFIXES, ".json")
 References = dict[str, tuple[Path, str | None]]
-"""File of each reference by the name of its map, and the map's name within the file where it holds several."""
+"""Map name -> the file of its reference, and the map's key within the file if that holds several maps."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Case:
-    """A result and what it is measured against."""
+    """A result and the reference it is measured against."""
 
     name: str
     result: Path
     reference: Path
     key: str | None = None
-    """The map's name in a reference that holds several."""
+    """The map's key in a reference that holds several maps."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Cases:
-    """All pairs, and what found no partner."""
+    """All pairs, and the names of results and references left without a partner."""
 
     cases: list[Case]
     without_reference: list[str] = field(default_factory=list)
@@ -37,10 +37,10 @@ class Cases:
 
 
 def matched(result: Path, reference: Path) -> Cases:
-    """Results and references of the same name; two of one each whatever they are called.
+    """Results paired with the references of the same name; a single result and reference are always a pair.
 
-    A result whose name no reference has takes the longest one that its own begins with and goes on after an
-    underscore, so that the reference `lab` serves `lab_furnished`. Raises `VdoorError` where nothing matches.
+    A result without a reference of its own name gets the one with the longest name that, followed by an underscore,
+    begins the result's: the reference `lab` also serves `lab_furnished`. Raises `VdoorError` if nothing matches.
     """
     results, references = _results(result), references_in(reference)
     if results == [result] and [*references.values()] == [(reference, None)]:
@@ -62,13 +62,13 @@ def matched(result: Path, reference: Path) -> Cases:
 
 
 def serving(name: str, references: References) -> str | None:
-    """The reference for a result of that name."""
+    """The name of the reference for a result of that name; None if there is none."""
     fitting = [known for known in references if name == known or name.startswith(f"{known}_")]
     return max(fitting, key=len, default=None)
 
 
 def _results(path: Path) -> list[Path]:
-    """The result, or the results and label images in a folder by name."""
+    """The result itself, or the results and label images in a folder, sorted by name."""
     if not path.is_dir() or is_result(path):
         return [path]
     found = sorted(entry for entry in path.iterdir() if is_result(entry) or entry.suffix.lower() in LABEL_SUFFIXES)
@@ -78,7 +78,7 @@ def _results(path: Path) -> list[Path]:
 
 
 def _names(result: Path) -> list[str]:
-    """Names that a result goes by: its own, and that of the map it was made of."""
+    """The names of a result: its own, then that of the map it was made from."""
     if not is_result(result):
         return [result.stem]
     own = result.resolve().name
@@ -89,7 +89,7 @@ def _names(result: Path) -> list[str]:
 
 
 def references_in(path: Path) -> References:
-    """The references in a file or folder."""
+    """The references in a file or folder, by map name; raises `VdoorError` if there are none."""
     if path.is_dir() and not is_result(path):
         return {bare_name(entry): (entry, None) for entry in _reference_files(path)}
     if path.suffix.lower() != ".json":
@@ -104,7 +104,7 @@ def references_in(path: Path) -> References:
 
 
 def _reference_files(folder: Path) -> list[Path]:
-    """Files named as a reference is, or all that could be one where none is; doors in JSON before labels."""
+    """Files named like a reference or, if none is, all of a suitable type; no PNG that has a JSON file of its name."""
     could = [e for e in sorted(folder.iterdir()) if is_result(e) or e.suffix.lower() in REFERENCE_SUFFIXES]
     named = [entry for entry in could if entry.stem.endswith(ENDINGS)] or could
     files = [entry for entry in named if not (entry.suffix == ".png" and entry.with_suffix(".json") in named)]

@@ -1,4 +1,4 @@
-"""Maps divided into rooms: what is measured."""
+"""Maps divided into rooms, the subject of the evaluation."""
 
 from __future__ import annotations
 
@@ -27,17 +27,17 @@ class Division:
     name: str
     grid: OccupancyGrid
     free: NDArray[np.bool_]
-    """Cells that are measured (h, w)."""
+    """The free cells (h, w); measures use these only."""
     rooms: Labels
-    """Rooms 1, 2, ... (h, w), without those too small to count."""
+    """Rooms 1, 2, ... (h, w), without rooms that are too small to count."""
 
     @property
     def frame(self) -> Frame:
-        """Where the map lies."""
+        """The map's frame."""
         return self.grid.frame
 
     def doors(self) -> Doors:
-        """Contacts between the rooms on free cells."""
+        """The doors where rooms touch on free cells."""
         return contact_doors(np.where(self.free, self.rooms, 0), self.free, self.frame.resolution_m)
 
 
@@ -46,13 +46,13 @@ class MapChoice:
     """Which map belongs to a label image, and how it is read."""
 
     path: Path | None = None
-    """A map, or a folder that holds one of the wanted name."""
+    """A map, or a folder with a map of the right name."""
     resolution_m: float | None = None
     free_from: int | None = None
-    """The grey from which on a cell of an image is free, instead of what its reader says."""
+    """The lowest grey value of an image's free cells; None = the thresholds of its reader."""
 
     def read(self, name: str) -> tuple[OccupancyGrid, NDArray[np.bool_]]:
-        """The map of that name and its free cells (h, w)."""
+        """The map with that name, and its free cells (h, w)."""
         assert self.path is not None
         path = self.path if not self.path.is_dir() else _map_in(self.path, name)
         grid = read_map(path, resolution_m=self.resolution_m)
@@ -64,9 +64,9 @@ class MapChoice:
 
 
 def read_division(name: str, path: Path, map_choice: MapChoice) -> Division:
-    """A result folder, or a label image with the map it belongs to.
+    """The division in a result folder, or in a label image and the map it belongs to.
 
-    Raises `VdoorError` where a file is missing or damaged, or sizes or resolutions do not agree.
+    Raises `VdoorError` if a file is missing or damaged, or if sizes or resolutions differ.
     """
     if is_result(path):
         labels = read_labels(path / "rooms.png")
@@ -81,19 +81,19 @@ def read_division(name: str, path: Path, map_choice: MapChoice) -> Division:
 
 
 def is_result(path: Path) -> bool:
-    """Whether it is the folder of a result."""
+    """Whether the path is a result folder."""
     return (path / "rooms.png").is_file()
 
 
 def check_size(what: str, labels: NDArray[Any], free: NDArray[np.bool_], path: Path) -> None:
-    """Raise `VdoorError` unless both have one size."""
+    """Raise `VdoorError` unless the labels have the map's size."""
     if labels.shape != free.shape:
         wanted, found = (f"{shape[1]} x {shape[0]} cells" for shape in (free.shape, labels.shape))
-        raise VdoorError(f"{what}: wanted {wanted} as the map, found {found}: {path}")
+        raise VdoorError(f"{what}: wanted {wanted} like the map, found {found}: {path}")
 
 
 def _result_map(folder: Path, name: str, choice: MapChoice) -> tuple[OccupancyGrid, NDArray[np.bool_]]:
-    """The map that is part of a result, or the one that was chosen instead."""
+    """The map in a result folder, or the one chosen instead; and its free cells (h, w)."""
     document = read_table(folder / "map.json")
     try:
         resolution_m, origin = float(document["resolution_m"]), document["origin"]
@@ -101,8 +101,8 @@ def _result_map(folder: Path, name: str, choice: MapChoice) -> tuple[OccupancyGr
     except (KeyError, TypeError, ValueError) as error:
         raise VdoorError(f"result: wanted resolution_m and origin, found none: {folder / 'map.json'}") from error
     if choice.resolution_m is not None and not math.isclose(choice.resolution_m, resolution_m, rel_tol=1e-9):
-        asked = f"{choice.resolution_m:g} m a cell as asked for"
-        raise VdoorError(f"resolution: wanted {asked}, found {resolution_m:g} m: {folder / 'map.json'}")
+        requested = f"{choice.resolution_m:g} m per cell as requested"
+        raise VdoorError(f"resolution: wanted {requested}, found {resolution_m:g} m: {folder / 'map.json'}")
     if choice.path is not None:
         return MapChoice(path=choice.path, resolution_m=resolution_m, free_from=choice.free_from).read(name)
     own = read_map(folder / "grid.png", resolution_m=resolution_m)
@@ -111,7 +111,7 @@ def _result_map(folder: Path, name: str, choice: MapChoice) -> tuple[OccupancyGr
 
 
 def _map_in(folder: Path, name: str) -> Path:
-    """The map of that name in a folder."""
+    """The path of the map with that name in a folder; raises `VdoorError` if there is none."""
     for suffix in (suffix for reader in READERS for suffix in reader.suffixes):
         path = folder / f"{name}{suffix}"
         if path.is_file():

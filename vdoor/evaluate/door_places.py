@@ -1,6 +1,6 @@
-"""Doors as places: contacts between the rooms of a label image, or segments that somebody marked.
+"""Door positions: contacts between the rooms of a label image, or segments marked by hand.
 
-Places are metres right and down from the image's upper left corner, ends are cells (row, col).
+Centres are in metres right and down from the image's upper left corner, ends in cells (row, col).
 """
 
 from __future__ import annotations
@@ -18,47 +18,47 @@ from vdoor.evaluate.label_files import Labels, flooded
 from vdoor.raster.labels import contacts
 
 FLOOD_M = 0.30
-"""How far rooms flood free cells without label before they touch."""
+"""How far rooms are grown into unlabelled free cells to find where they touch."""
 GAP_M = 0.30
-"""Contacts of the same two rooms closer than this are one door."""
+"""Contacts between the same two rooms that are closer than this are one door."""
 MIN_WIDTH_M = 0.25
-"""Contacts narrower than this are no doors."""
+"""Contacts narrower than this are not doors."""
 
 
 TOLERANCES_M = (0.5, 1.0)
-"""How far apart two doors may be and still be one."""
+"""Largest distances between a true and a found door for a match."""
 EXCUSED_M = 1.0
-"""How far a found door may be from one to be ignored and still be excused."""
+"""Largest distance between a false door and an unsure one that excuses it."""
 NARROW_M = 1.2
-"""Doors up to this width are narrow."""
+"""Doors up to this width count as narrow."""
 Rows = NDArray[np.intp]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Doors:
-    """Doors, one row each."""
+    """Doors, one per row."""
 
     centre_m: NDArray[np.float64]
-    """Right and down (k, 2)."""
+    """Metres right and down (k, 2)."""
     width_m: NDArray[np.float64]
     ends: NDArray[np.float64]
-    """Both ends (k, 2, 2) as row, col; whole numbers are cell centres."""
+    """Both ends (k, 2, 2) as row, col; integers are cell centres."""
 
     def __len__(self) -> int:
         return len(self.width_m)
 
     def __getitem__(self, rows: NDArray[np.intp] | NDArray[np.bool_]) -> Doors:
-        """Some of the doors."""
+        """The doors in the given rows."""
         return Doors(centre_m=self.centre_m[rows], width_m=self.width_m[rows], ends=self.ends[rows])
 
     @property
     def centre(self) -> NDArray[np.float64]:
-        """Middle of each door's ends (k, 2) as row, col."""
+        """Midpoint (k, 2) between each door's ends as row, col."""
         return (self.ends[:, 0] + self.ends[:, 1]) / 2
 
 
 def marked_doors(ends: NDArray[np.float64], resolution_m: float, widths_m: NDArray[np.float64] | None = None) -> Doors:
-    """Doors from segments (k, 2, 2) as row, col; as wide as the segments are long where no widths are given."""
+    """The doors given by segments (k, 2, 2) as row, col; without `widths_m`, their widths are the segments' lengths."""
     ends = ends.reshape(-1, 2, 2)
     lengths_m = np.hypot(*(ends[:, 1] - ends[:, 0]).T) * resolution_m
     centre_m = (ends.sum(axis=1)[:, ::-1] + 1) / 2 * resolution_m
@@ -66,10 +66,10 @@ def marked_doors(ends: NDArray[np.float64], resolution_m: float, widths_m: NDArr
 
 
 def contact_doors(labels: Labels, free: NDArray[np.bool_], resolution_m: float) -> Doors:
-    """Doors between the rooms of a label image, from where they touch after flooding the free cells beside them.
+    """The doors between rooms of a label image, where the rooms touch after growing into the free cells beside them.
 
-    A door is a connected piece of the border of two rooms, its place the mean of the cell edges it consists of, its
-    width their largest extent and a cell.
+    A door is a connected piece of the border between two rooms. Its centre is the mean of the piece's cell sides, its
+    width their largest extent plus one cell.
     """
     places, rooms = contacts(flooded(labels, free, round(FLOOD_M / resolution_m)))
     doors, piece = _pieces(places, rooms, GAP_M / resolution_m)
@@ -83,7 +83,10 @@ def contact_doors(labels: Labels, free: NDArray[np.bool_], resolution_m: float) 
 
 
 def _pieces(places: NDArray[np.float64], rooms: NDArray[np.int32], gap: float) -> tuple[int, NDArray[np.int32]]:
-    """How many pieces the contacts form, and the piece of each: same two rooms, steps of at most `gap` cells."""
+    """The number of pieces that the contacts form, and the piece of each.
+
+    A piece has the same two rooms, and steps of at most `gap` cells.
+    """
     if not len(places):
         return 0, np.zeros(0, np.int32)
     near = cKDTree(places).query_pairs(gap, output_type="ndarray")
@@ -94,7 +97,7 @@ def _pieces(places: NDArray[np.float64], rooms: NDArray[np.int32], gap: float) -
 
 
 def _farthest(places: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The two of the places (k, 2) that are farthest apart (2, 2)."""
+    """The two (2, 2) of the points (k, 2) that are farthest apart."""
     try:
         outer = places[ConvexHull(places).vertices]
     except QhullError:  # all on one line
@@ -105,7 +108,7 @@ def _farthest(places: NDArray[np.float64]) -> NDArray[np.float64]:
 
 @dataclass(frozen=True, kw_only=True)
 class Tally:
-    """Numbers of doors, to be added over maps."""
+    """Counts of doors, which can be added up over maps."""
 
     hits: int = 0
     missed: int = 0
@@ -114,24 +117,24 @@ class Tally:
     narrow_missed: int = 0
 
     def __add__(self, other: Tally) -> Tally:
-        """Both together."""
+        """The sum of both."""
         hits, missed, false, narrow_hits, narrow_missed = map(sum, zip(astuple(self), astuple(other), strict=True))
         return Tally(hits=hits, missed=missed, false=false, narrow_hits=narrow_hits, narrow_missed=narrow_missed)
 
     @property
     def precision(self) -> float:
-        """Share of the found doors that are true; where none was found 1 if there is none, else 0."""
+        """Share of the found doors that are true; if none was found, 1 if there is none, else 0."""
         found = self.hits + self.false
         return self.hits / found if found else float(not self.missed)
 
     @property
     def recall(self) -> float:
-        """Share of the true doors that were found; 1 where there is none."""
+        """Share of the true doors that were found; 1 if there is none."""
         return _share(self.hits, self.missed)
 
     @property
     def narrow_recall(self) -> float:
-        """Recall of the narrow doors."""
+        """Recall of the narrow doors; 1 if there is none."""
         return _share(self.narrow_hits, self.narrow_missed)
 
     @property
@@ -143,22 +146,22 @@ class Tally:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class DoorMatch:
-    """Rows of the true and of the found doors, by what became of them."""
+    """Rows of the true and the found doors, by outcome."""
 
     hit_true: Rows
     hit_found: Rows
-    """One pair a row."""
+    """True and found doors that match: row i of one is paired with row i of the other."""
     missed: Rows
-    """True doors nobody found."""
+    """True doors that were not found."""
     false: Rows
-    """Found doors that are none."""
+    """Found doors that are not true."""
     excused: Rows
-    """Found doors that are none, at a place where nobody is sure."""
+    """Found doors that are not true, near an unsure one."""
     tally: Tally
 
 
 def match_doors(true: Doors, found: Doors, tolerance_m: float, *, unsure: Doors | None = None) -> DoorMatch:
-    """True and found doors paired one to one within the tolerance; each unsure door excuses one false door."""
+    """True and found doors matched one to one within the tolerance; each unsure door excuses one false door."""
     hit_true, hit_found = nearest_pairs(true.centre_m, found.centre_m, tolerance_m)
     missed = np.setdiff1d(np.arange(len(true)), hit_true)
     false = np.setdiff1d(np.arange(len(found)), hit_found)
@@ -185,10 +188,10 @@ def match_doors(true: Doors, found: Doors, tolerance_m: float, *, unsure: Doors 
 
 
 def nearest_pairs(one_m: NDArray[np.float64], other_m: NDArray[np.float64], limit_m: float) -> tuple[Rows, Rows]:
-    """Rows of places (k, 2) and (l, 2) paired one to one within the limit: most pairs, then least distance in all."""
+    """Rows of points (k, 2) and (l, 2) paired one to one within the limit: most pairs, then smallest total distance."""
     apart_m = np.hypot(*(one_m[:, None] - other_m[None]).transpose(2, 0, 1))
     near = apart_m <= limit_m
-    # One pair more is worth more than all distances together.
+    # One more pair outweighs all distances together.
     out_of_reach_m = limit_m * (min(apart_m.shape) + 1)
     one, other = linear_sum_assignment(np.where(near, apart_m, out_of_reach_m))
     paired = near[one, other]

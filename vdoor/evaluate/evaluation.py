@@ -1,4 +1,4 @@
-"""One map's measures."""
+"""The measures of one map, and their means over several."""
 
 from __future__ import annotations
 
@@ -15,32 +15,32 @@ from vdoor.evaluate.reference import Reference, read_reference
 from vdoor.evaluate.room_scores import RoomScore, compare_rooms
 
 ENDINGS = dict(zip(TOLERANCES_M, ("", "_1m"), strict=True))
-"""How the figures of each tolerance are called."""
+"""Suffix of the figures' names for each tolerance in metres."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Evaluation:
-    """A map's division against the truth."""
+    """A map's division compared with the ground truth."""
 
     name: str
     division: Division
     reference: Reference
     rooms: RoomScore | None
-    """None where the reference has doors only."""
+    """None if the reference has doors only."""
     doors: Doors
-    """Found ones."""
+    """The found doors."""
     matches: dict[float, DoorMatch]
     """By tolerance in metres."""
 
     def figures(self) -> dict[str, float]:
-        """Every measure by name."""
+        """All measures by name."""
         rooms = {} if self.rooms is None else room_figures(self.rooms)
         counts = {"doors_true": len(self.reference.doors), "doors_found": len(self.doors)}
         return rooms | counts | door_figures({limit: match.tally for limit, match in self.matches.items()})
 
 
 def evaluate(division: Division, reference: Reference) -> Evaluation:
-    """Measures of a divided map against the truth about it."""
+    """The evaluation of a divided map against its ground truth."""
     found = division.doors()
     return Evaluation(
         name=division.name,
@@ -53,7 +53,7 @@ def evaluate(division: Division, reference: Reference) -> Evaluation:
 
 
 def evaluate_case(case: Case, maps: MapChoice, bare: Path | None = None) -> Evaluation:
-    """The same from files; `bare` is the map, or a folder of maps, that label references were drawn on."""
+    """The evaluation of a result file; `bare` is the map, or folder of maps, on which label references were drawn."""
     division = read_division(case.name, case.result, maps)
     choice = None
     if bare is not None:
@@ -62,7 +62,7 @@ def evaluate_case(case: Case, maps: MapChoice, bare: Path | None = None) -> Eval
 
 
 def room_figures(score: RoomScore) -> dict[str, float]:
-    """Measures of rooms by name."""
+    """The room measures by name."""
     return {
         "rooms_true": score.true,
         "rooms_found": score.found,
@@ -79,7 +79,7 @@ def room_figures(score: RoomScore) -> dict[str, float]:
 
 
 def door_figures(tallies: dict[float, Tally]) -> dict[str, float]:
-    """Measures of doors by name, those at 1 m with an ending."""
+    """The door measures by name, with the suffix of their tolerance."""
     return {
         f"{name}{ENDINGS[limit]}": value
         for limit, tally in tallies.items()
@@ -93,14 +93,14 @@ def door_figures(tallies: dict[float, Tally]) -> dict[str, float]:
 
 
 def means(evaluations: Sequence[Evaluation]) -> dict[str, float]:
-    """Mean of each figure over the maps that have it."""
+    """The mean of each figure over the maps that have it."""
     figures = [evaluation.figures() for evaluation in evaluations]
     names = dict.fromkeys(name for row in figures for name in row)
     return {name: float(np.mean([row[name] for row in figures if name in row])) for name in names}
 
 
 def pooled(evaluations: Sequence[Evaluation]) -> dict[str, float]:
-    """Measures of the doors of all maps together."""
+    """The door measures from the counts of all maps together."""
     tallies = {
         limit: sum((evaluation.matches[limit].tally for evaluation in evaluations), Tally()) for limit in TOLERANCES_M
     }

@@ -1,4 +1,4 @@
-"""Label images: read from files and checked, which labels count as rooms, and labels flooding the cells beside them."""
+"""Label images: reading and checking them, selecting labels that count as rooms, growing labels into free cells."""
 
 from __future__ import annotations
 
@@ -19,26 +19,26 @@ LABEL_SUFFIXES = (".png", ".npy")
 
 
 MIN_ROOM_M2 = 0.25
-"""Rooms of this area or less are ignored: 100 cells of 5 cm."""
+"""Rooms of at most this area are ignored: 100 cells of 5 cm."""
 MOST_ROOMS = 5_000
-"""Rooms are compared each with each; more are noise."""
+"""All pairs of rooms are compared; an image with more is noise."""
 WHITE_FROM = 251
-"""From this grey on a cell belongs to a room drawn as a blob."""
+"""Lowest grey value of a cell in a room drawn as a white blob."""
 Labels = NDArray[np.int32]
 
 
 def read_labels(path: Path) -> NDArray[Any]:
-    """Whole numbers (h, w), 0 = no room, of a PNG of 16 bits or a .npy; `VdoorError` where it is neither."""
+    """The labels (h, w), 0 = no room, of a 16-bit PNG or a .npy; raises `VdoorError` for anything else."""
     if path.suffix.lower() == ".npy":
         return _array(path)
     image = read_image(path)
     if image.samples.dtype != np.uint16:
-        raise VdoorError(f"labels: wanted a PNG of 16 bits grey, found one of 8: {path}")
+        raise VdoorError(f"labels: wanted a 16-bit grey PNG, found an 8-bit one: {path}")
     return image.samples
 
 
 def read_true_rooms(path: Path) -> NDArray[Any]:
-    """Labels as `read_labels` gives them; images of 8 bits are taken as rooms drawn white."""
+    """The labels (h, w) like `read_labels`; in 8-bit images, white blobs are the rooms."""
     if path.suffix.lower() == ".npy":
         return _array(path)
     image = read_image(path)
@@ -46,7 +46,7 @@ def read_true_rooms(path: Path) -> NDArray[Any]:
 
 
 def read_image(path: Path) -> GreyImage:
-    """An image as grey, alpha left aside; `VdoorError` where it is none."""
+    """An image as grey values, ignoring alpha; raises `VdoorError` if it is not an image."""
     try:
         return images.decode(read_bytes(path), max_cells=MAX_CELLS)
     except VdoorError as error:
@@ -54,10 +54,10 @@ def read_image(path: Path) -> GreyImage:
 
 
 def read_bytes(path: Path) -> bytes:
-    """All of a file; `VdoorError` where it cannot be read."""
+    """The content of a file; raises `VdoorError` if it cannot be read."""
     try:
         if path.exists() and not path.is_file():
-            raise VdoorError(f"file: wanted a regular one, found something else: {path}")
+            raise VdoorError(f"file: wanted a regular file, found something else: {path}")
         return path.read_bytes()
     except (OSError, ValueError) as error:
         if isinstance(error, VdoorError):
@@ -67,19 +67,19 @@ def read_bytes(path: Path) -> bytes:
 
 
 def read_table(path: Path) -> dict[str, Any]:
-    """The object in a JSON file; `VdoorError` where there is none."""
+    """The object in a JSON file; raises `VdoorError` if there is none."""
     try:
         table = json.loads(read_bytes(path))
     except (UnicodeDecodeError, json.JSONDecodeError, RecursionError) as error:
-        raise VdoorError(f"JSON: wanted a whole file, found a damaged one: {path}") from error
+        raise VdoorError(f"JSON: wanted a complete file, found a damaged one: {path}") from error
     if not isinstance(table, dict):
         raise VdoorError(f"JSON: wanted an object, found a {type(table).__name__}: {path}")
     return table
 
 
 def _array(path: Path) -> NDArray[Any]:
-    """Whole numbers (h, w) of a .npy; nothing is unpickled, and nothing read beyond the file's own size."""
-    no_labels = f"labels: wanted a .npy of whole numbers in 2 dimensions, found {{}}: {path}"
+    """The integers (h, w) in a .npy file; nothing is unpickled, and memory is bounded by the file's size."""
+    no_labels = f"labels: wanted a .npy file of integers in 2 dimensions, found {{}}: {path}"
     if not path.is_file():
         raise VdoorError(f"file: wanted a .npy, found {'a folder' if path.is_dir() else 'none'}: {path}")
     try:
@@ -87,17 +87,17 @@ def _array(path: Path) -> NDArray[Any]:
             warnings.simplefilter("ignore")
             array = np.load(path, mmap_mode="r", allow_pickle=False)
     except Exception as error:  # damaged headers raise whatever Python's parser does
-        raise VdoorError(no_labels.format("another or a damaged file")) from error
+        raise VdoorError(no_labels.format("a different or damaged file")) from error
     dimensions = 2
     if not isinstance(array, np.ndarray) or array.dtype.kind not in "iub" or array.ndim != dimensions:
-        raise VdoorError(no_labels.format("other contents"))
+        raise VdoorError(no_labels.format("other content"))
     return np.array(array)
 
 
 def rooms_of(labels: NDArray[Any], resolution_m: float) -> Labels:
-    """Rooms 1, 2, ... in the order of their labels (h, w), without those too small to be one; 0 stays no room.
+    """Rooms 1, 2, ... (h, w) in the order of their labels, without rooms that are too small; 0 stays no room.
 
-    Raises `VdoorError` where more are left than can be compared.
+    Raises `VdoorError` if more rooms are left than can be compared.
     """
     values, place, cells = np.unique(labels, return_inverse=True, return_counts=True)
     # Rounded: 0.25 m2 are 100 cells of 5 cm, not 99.99999999999999.
@@ -110,15 +110,15 @@ def rooms_of(labels: NDArray[Any], resolution_m: float) -> Labels:
 
 
 def labels_of_blobs(greys: NDArray[np.uint8]) -> Labels:
-    """Labels (h, w) of rooms drawn white and parted by darker lines; diagonal neighbours are one room."""
+    """The labels (h, w) of rooms drawn white and separated by darker lines; diagonal neighbours are one room."""
     labels, _ = ndimage.label(greys >= WHITE_FROM, structure=np.ones((3, 3)))
     return np.asarray(labels, np.int32)
 
 
 def flooded(labels: Labels, free: NDArray[np.bool_], steps: int) -> Labels:
-    """Labels (h, w) after free cells without one took a neighbour's (of four), `steps` times over.
+    """The labels (h, w) grown `steps` times into unlabelled free cells among the four neighbours.
 
-    Of labels that arrive together the largest wins.
+    If several labels reach a cell in the same step, the largest wins.
     """
     spread = np.pad(labels, 1)
     width = spread.shape[1]

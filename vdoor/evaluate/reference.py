@@ -1,4 +1,4 @@
-"""What is true: rooms as label image or drawn as blobs, doors marked as segments, or both."""
+"""Ground truth: rooms as a label image or drawn as white blobs, doors as marked segments, or both."""
 
 from __future__ import annotations
 
@@ -20,28 +20,28 @@ from vdoor.formats.valetudo import segment_labels
 from vdoor.formats.valetudo_json import is_valetudo
 
 ENDINGS = ("_truth", "_reference", "_gt_segmentation")
-"""What references are called beside the name of their map."""
+"""Suffixes of references' names after the name of their map."""
 SEGMENT = ("x1", "y1", "x2", "y2")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Reference:
-    """The truth about one map."""
+    """The ground truth of one map."""
 
     path: Path
     rooms: Labels | None
-    """Rooms 1, 2, ... (h, w); None where only doors are known."""
+    """Rooms 1, 2, ... (h, w); None if only doors are known."""
     doors: Doors
     unsure: Doors | None = None
-    """Places where a door is neither right nor wrong."""
+    """Doors that are neither right nor wrong if found."""
 
 
 def read_reference(path: Path, key: str | None, division: Division, bare: MapChoice | None = None) -> Reference:
-    """The truth in a file, about a map of the division's size.
+    """The ground truth in a file, for a map of the division's size.
 
-    `key` names the map in a JSON that holds several. `bare` says which map the rooms of a label image were drawn on,
-    if not the division's own: doors are looked for on its free cells, which furniture may cover in the division's.
-    Raises `VdoorError` where the file cannot be read or is about another map.
+    `key` selects the map in a JSON file with several. `bare` is the map on which the rooms of a label image were drawn,
+    if not the division's own: doors are found on its free cells, some of which furniture may cover in the division's.
+    Raises `VdoorError` if the file cannot be read or belongs to another map.
     """
     if path.suffix.lower() != ".json":
         rooms = _rooms(path / "rooms.png" if is_result(path) else path, division)
@@ -64,7 +64,7 @@ def read_reference(path: Path, key: str | None, division: Division, bare: MapCho
 
 
 def bare_name(path: Path) -> str:
-    """What a reference is about, by its name: without _truth, _reference or _gt_segmentation."""
+    """The name of a reference's map: the reference's own, without _truth, _reference or _gt_segmentation."""
     name = path.name if path.is_dir() else path.stem
     for ending in ENDINGS:
         name = name.removesuffix(ending)
@@ -72,14 +72,14 @@ def bare_name(path: Path) -> str:
 
 
 def _rooms(path: Path, division: Division) -> Labels:
-    """True rooms as the file has them."""
+    """The true rooms in a label image or .npy file."""
     labels = read_true_rooms(path)
     check_size("reference", labels, division.free, path)
     return rooms_of(labels, division.frame.resolution_m)
 
 
 def _segments_of_maker(table: Mapping[str, Any], path: Path, division: Division) -> Labels:
-    """Rooms as the robot's own software has them: something to compare with, not truth."""
+    """The rooms as segmented by the robot maker's own software: something to compare with, not ground truth."""
     try:
         labels = segment_labels(table, max_cells=division.free.size)
     except MapError as error:
@@ -91,7 +91,7 @@ def _segments_of_maker(table: Mapping[str, Any], path: Path, division: Division)
 
 
 def _contacts(rooms: Labels, path: Path, division: Division, bare: MapChoice | None) -> Doors:
-    """Doors where true rooms touch: lines drawn between them are free there."""
+    """The doors where true rooms touch; cells of lines drawn between them count as free."""
     free = division.free
     if bare is not None:
         free = bare.read(bare_name(path))[1]
@@ -100,15 +100,15 @@ def _contacts(rooms: Labels, path: Path, division: Division, bare: MapChoice | N
 
 
 def _synthetic(table: Mapping[str, Any], path: Path, division: Division) -> Reference:
-    """The truth about a synthetic map: doors from jamb to jamb, and the rooms of the image beside it."""
+    """The ground truth of a synthetic map: doors from jamb to jamb, and rooms from the PNG beside the JSON file."""
     frame = division.frame
     size, resolution_m = table.get("size"), table.get("resolution_m")
     if size != {"height": frame.height, "width": frame.width}:
         raise VdoorError(
-            f"reference: wanted {frame.width} x {frame.height} cells as the map, found {shown(size)}: {path}"
+            f"reference: wanted {frame.width} x {frame.height} cells like the map, found {shown(size)}: {path}"
         )
     if not isinstance(resolution_m, float) or not math.isclose(resolution_m, frame.resolution_m, rel_tol=1e-9):
-        wanted = f"{frame.resolution_m:g} m a cell as the map"
+        wanted = f"{frame.resolution_m:g} m per cell like the map"
         raise VdoorError(f"reference: wanted {wanted}, found {shown(resolution_m)}: {path}")
     try:
         ends = [[door["start_cell"], door["end_cell"]] for door in table["doors"]]
@@ -123,7 +123,7 @@ def _synthetic(table: Mapping[str, Any], path: Path, division: Division) -> Refe
 
 
 def _segments(table: Mapping[str, Any], part: str, path: Path) -> NDArray[np.float64]:
-    """Segments (k, 2, 2) as row, col from a list of tables with x1, y1, x2, y2 in cells."""
+    """The segments (k, 2, 2) as row, col, from a list of tables with x1, y1, x2, y2 in cells."""
     entries = table[part]
     if not isinstance(entries, Sequence) or isinstance(entries, str):
         raise VdoorError(f"reference: wanted a list of {part}, found a {type(entries).__name__}: {path}")

@@ -1,18 +1,18 @@
-"""How well found rooms agree with true ones.
+"""How well the found rooms agree with the true ones.
 
 recall, precision
     mean over the true (found) rooms of the largest overlap with one found (true) room, as a share of the room's area:
-    Bormann et al., "Room segmentation: Survey, implementation, and analysis", ICRA 2016. Areas are the rooms' own,
-    whatever the map says of their cells. `_by_area` weights the mean by area.
+    Bormann et al., "Room segmentation: Survey, implementation, and analysis", ICRA 2016. Areas include all cells of a
+    room, free or not. `_by_area` weights the mean by area.
 iou, iou_sym
     rooms paired one to one for the largest sum of intersection over union, on free cells: the sum divided by the
-    number of true rooms, and by the larger of both numbers, so that rooms too many cost as well.
+    number of true rooms, and by the larger of the two numbers of rooms, which also penalises surplus rooms.
 mcc
-    mean Matthews correlation of rooms paired greedily, largest overlap first, on free cells that are in a room on
-    both sides; a room without partner counts 0.
+    mean Matthews correlation of rooms paired greedily, largest overlap first, on free cells that are in both a true and
+    a found room; a room without a partner counts 0.
 mcc_loose
-    the same with two oddities of the program published with MAORIS (Mielle et al., 2018), to compare with figures
-    made by it: see `_mcc_loose`.
+    the same with two quirks of the program published with MAORIS (Mielle et al., 2018), for comparison with its
+    figures: see `_mcc_loose`.
 """
 
 from __future__ import annotations
@@ -31,11 +31,11 @@ Table = NDArray[np.int64]
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class RoomScore:
-    """The measures of this module; all 0 where either side has no room."""
+    """The measures described at the top of this module; all 0 if there are no true or no found rooms."""
 
     true: int
     found: int
-    """Numbers of rooms."""
+    """Numbers of true and found rooms."""
     recall: float = 0.0
     precision: float = 0.0
     recall_by_area: float = 0.0
@@ -45,12 +45,12 @@ class RoomScore:
     mcc: float = 0.0
     mcc_loose: float = 0.0
     pairs: NDArray[np.int32] = field(default_factory=lambda: np.zeros((0, 2), np.int32))
-    """True and found room (k, 2) of the pairs that `iou` is made of."""
+    """True and found room (k, 2) of the pairs in `iou`."""
     pair_iou: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
 
 
 def compare_rooms(truth: Labels, found: Labels, free: NDArray[np.bool_]) -> RoomScore:
-    """Measures of found rooms against true ones, all rasters (h, w), rooms numbered 1, 2, ... without gaps."""
+    """The measures of found rooms against true ones; all rasters (h, w), rooms numbered 1, 2, ... without gaps."""
     shape = int(truth.max(initial=0)) + 1, int(found.max(initial=0)) + 1
     rooms_true, rooms_found = shape[0] - 1, shape[1] - 1
     if not (rooms_true and rooms_found):
@@ -78,19 +78,19 @@ def compare_rooms(truth: Labels, found: Labels, free: NDArray[np.bool_]) -> Room
 
 
 def _cells(truth: NDArray[Any], found: NDArray[Any], shape: tuple[int, int]) -> Table:
-    """Number of cells by true room (row) and found room (column); row and column 0 are the cells in none."""
+    """The number of cells by true room (row) and found room (column); row and column 0 are cells in no room."""
     both = truth.astype(np.int64) * shape[1] + found
     return np.bincount(both, minlength=shape[0] * shape[1]).reshape(shape)
 
 
 def _largest_shares(cells: Table) -> tuple[float, float]:
-    """Share of each row's room in its best column's, as the mean over rooms and over their area."""
+    """The largest share of each row's room in one column's room, as the mean over rooms, and weighted by area."""
     areas, best = cells[1:].sum(axis=1), cells[1:, 1:].max(axis=1)
     return float((best / areas).mean()), float(best.sum() / areas.sum())
 
 
 def _pairs(cells: Table) -> tuple[NDArray[np.int32], NDArray[np.float64]]:
-    """True and found room of each pair (k, 2) and its intersection over union; pairs that do not touch are none."""
+    """True and found room of each pair (k, 2), and its intersection over union (k,); pairs overlap."""
     overlap = cells[1:, 1:]
     union = cells[1:].sum(axis=1)[:, None] + cells[:, 1:].sum(axis=0) - overlap
     iou = overlap / np.maximum(union, 1)
@@ -101,14 +101,14 @@ def _pairs(cells: Table) -> tuple[NDArray[np.int32], NDArray[np.float64]]:
 
 
 def _mcc(overlap: Table) -> float:
-    """Mean over the greedy pairs and all rooms left alone, which count 0."""
+    """The mean over the greedy pairs and all rooms without a partner, which count 0."""
     true, found = _greedy_pairs(overlap)
     rooms = sum(overlap.shape) - len(true)
     return float(_correlations(overlap, true, found, _true_negatives(overlap, true, found)).sum() / rooms)
 
 
 def _greedy_pairs(overlap: Table) -> tuple[list[int], list[int]]:
-    """Rows and columns of one-to-one pairs, largest overlap first; of equal ones the first row, then column."""
+    """Rows and columns of one-to-one pairs, largest overlap first; ties go to the lower row, then column."""
     true: list[int] = []
     found: list[int] = []
     for place in np.argsort(-overlap, axis=None, kind="stable")[: np.count_nonzero(overlap)].tolist():
@@ -120,11 +120,11 @@ def _greedy_pairs(overlap: Table) -> tuple[list[int], list[int]]:
 
 
 def _mcc_loose(overlap: Table) -> float:
-    """Mean over the found rooms, largest overlap first, each with the true room it overlaps most and that is left.
+    """The mean over the found rooms, largest overlap first, each paired with the remaining true room it overlaps most.
 
-    The oddities: where none is left a found room takes the true one it overlaps least, though that has a partner; the
-    true room's area is added to the true negatives. True rooms without partner count 0 once for each found room that
-    overlaps them.
+    The quirks: if none remains, a found room is paired with the true room it overlaps least, though that already has a
+    partner; and the true room's area is added to the true negatives. A true room without a partner counts 0 once per
+    found room that overlaps it.
     """
     true: list[int] = []
     found: list[int] = []
@@ -143,16 +143,16 @@ def _mcc_loose(overlap: Table) -> float:
 
 
 def _true_negatives(overlap: Table, true: list[int], found: list[int]) -> Table:
-    """Cells of each pair that are in neither of its rooms."""
+    """The number of cells that are in neither room of each pair."""
     negatives: Table = overlap.sum() - overlap.sum(axis=1)[true] - overlap.sum(axis=0)[found] + overlap[true, found]
     return negatives
 
 
 def _correlations(overlap: Table, true: list[int], found: list[int], tn: Table) -> NDArray[np.float64]:
-    """Matthews correlation of each pair; where it is not defined 1 for equal rooms and 0 for others."""
+    """The Matthews correlation of each pair; where undefined, 1 for equal rooms and 0 for others."""
     tp = overlap[true, found]
     fp, fn = overlap.sum(axis=0)[found] - tp, overlap.sum(axis=1)[true] - tp
-    # Root by root: the product of four areas does not fit 64 bits.
+    # Roots first: the product of four areas overflows 64 bits.
     norm = np.prod(np.sqrt([tp + fp, tp + fn, tn + fp, tn + fn]), axis=0)
     undefined = norm == 0
     above = tp.astype(np.float64) * tn - fp.astype(np.float64) * fn

@@ -1,4 +1,4 @@
-"""What an evaluation found, as text and as JSON."""
+"""The results of an evaluation as text and as JSON."""
 
 from __future__ import annotations
 
@@ -29,29 +29,29 @@ COLUMNS = {
     "narrow": "narrow_recall",
     "F1 1 m": "door_f1_1m",
 }
-"""Heads of the table and the figure below each."""
+"""Column headings of the table -> the figure in each."""
 
 
 def summary(evaluations: Sequence[Evaluation]) -> dict[str, float]:
-    """Means over the maps, and the doors of all maps together."""
+    """The means over the maps, and the door measures of all maps together."""
     return means(evaluations) | pooled(evaluations)
 
 
 def lines(evaluations: Sequence[Evaluation]) -> Iterator[str]:
-    """The table; for a single map also the doors that are not hits."""
+    """The lines of the table and, for a single map, of the doors that are not hits."""
     yield from table(evaluations)
     if len(evaluations) == 1:
         yield from door_lines(evaluations[0])
 
 
 def lonely(cases: Cases) -> Iterator[tuple[str, str]]:
-    """Name of each result without a reference and, where there are several, the other way round; what is missing."""
+    """The name of each result without a reference, and what is missing; if there are several, also the reverse."""
     yield from ((name, "reference") for name in cases.without_reference)
     yield from ((name, "result") for name in cases.without_result if len(cases.cases) > 1)
 
 
 def table(evaluations: Sequence[Evaluation]) -> Iterator[str]:
-    """One line a map, and below several of them their mean and the doors of all together."""
+    """One line per map and, for several, their mean and the door measures of all maps together."""
     rows = {evaluation.name: evaluation.figures() for evaluation in evaluations}
     if len(rows) > 1:
         rows["mean"] = means(evaluations)
@@ -69,7 +69,7 @@ def _shown(value: float | None) -> str:
 
 
 def door_lines(evaluation: Evaluation) -> Iterator[str]:
-    """A line for each door that was missed or is none, with its place in the map frame."""
+    """A line for each missed, false or excused door, with its position in the map frame."""
     for fate, doors in fates(evaluation).items():
         if fate != "hits":
             for door in _places(doors, evaluation.division.frame):
@@ -77,7 +77,7 @@ def door_lines(evaluation: Evaluation) -> Iterator[str]:
 
 
 def fates(evaluation: Evaluation) -> dict[str, Doors]:
-    """Doors by what became of them at the smaller tolerance; hits where they were found."""
+    """The doors by outcome at the smaller tolerance; hits are at their found positions."""
     match = evaluation.matches[TOLERANCES_M[0]]
     return {
         "hits": evaluation.doors[match.hit_found],
@@ -88,7 +88,7 @@ def fates(evaluation: Evaluation) -> dict[str, Doors]:
 
 
 def document(evaluations: Sequence[Evaluation], cases: Cases) -> dict[str, Any]:
-    """Everything, as it goes into JSON."""
+    """All results as a JSON document."""
     return {
         "schema": 1,
         "maps": [_map(evaluation) for evaluation in evaluations],
@@ -113,7 +113,7 @@ def _map(evaluation: Evaluation) -> dict[str, Any]:
 
 
 def _places(doors: Doors, frame: Frame) -> list[dict[str, float]]:
-    """Middle of each door in the map frame, and its width."""
+    """The centre of each door in the map frame, and its width."""
     right_down = doors.centre_m / frame.resolution_m - 0.5
     points_m = frame.world_from_cell(right_down[:, ::-1])
     rows = np.column_stack([points_m, doors.width_m]).round(6).tolist()
@@ -121,7 +121,7 @@ def _places(doors: Doors, frame: Frame) -> list[dict[str, float]]:
 
 
 def shortfalls(figures: dict[str, float], wanted: Sequence[str]) -> list[str]:
-    """A sentence for each figure below what was wanted, as in `door_f1=0.9`; `SettingError` where there is no such."""
+    """A line for each figure below its minimum, given as `door_f1=0.9`; raises `SettingError` for an unknown figure."""
     short = []
     for text in wanted:
         name, _, least = text.partition("=")

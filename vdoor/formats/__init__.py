@@ -1,4 +1,4 @@
-"""Map formats: one file per format, and the list of them."""
+"""Map formats: one module per format, and the list of them."""
 
 from __future__ import annotations
 
@@ -17,39 +17,41 @@ from vdoor.grid import Annotations, OccupancyGrid, Source
 __all__ = ["MAX_CELLS", "READERS", "Reader", "read_annotations", "read_map", "read_piped", "read_source"]
 
 BYTES_PER_CELL, BYTES_BESIDE = 16, 1 << 20
-"""No format here needs more for a cell, and for all that is not cells; a larger file is not even opened."""
+"""Upper limits of all formats for the bytes per cell and for everything else; a larger file is not opened."""
 PIPE_PIECE = 1 << 20
 PIPED = ((b"{", "stdin.json"), (b"\x93NUMPY", "stdin.npy"), (b"", "stdin.pgm"))
-"""What piped bytes are called, by how they begin; images are told apart by their content."""
+"""The first bytes of piped data and the file name it gets; image formats are recognised by content."""
 
 
 class Keep(Protocol):
-    """Opens a file that is too large to keep, and gives what is kept of it."""
+    """A function that opens a file too large to store, and extracts the part to store."""
 
     def __call__(self, path: Path, options: Options, *, max_cells: int) -> Request:
-        """Request to read what is kept; MapError where there is nothing."""
+        """The request to read the extracted part; raises MapError if there is none."""
         ...
 
 
-def _nothing(_: bytes) -> tuple[str, ...]:
-    """Paths of further files that a format of one file needs: none."""
+def _no_paths(_: bytes) -> tuple[str, ...]:
+    """No further files, for a format with a single file."""
     return ()
 
 
-def _cells_alone(_: Request) -> None:
-    """What a format of nothing but cells says beside them: nothing."""
+def _no_annotations(_: Request) -> None:
+    """No annotations, for a format that contains only cells."""
 
 
 class Reader(NamedTuple):
-    """One format: the suffixes that tell it, the function that reads it, and the paths of further files it needs."""
+    """A map format: its suffixes and its functions."""
 
     suffixes: tuple[str, ...]
     read: Callable[[Request], OccupancyGrid]
-    needs: Callable[[bytes], tuple[str, ...]] = _nothing
-    annotations: Callable[[Request], Annotations | None] = _cells_alone
-    """What it says beside the cells."""
+    """Reads the grid."""
+    needs: Callable[[bytes], tuple[str, ...]] = _no_paths
+    """Returns the paths of further files that the first file refers to."""
+    annotations: Callable[[Request], Annotations | None] = _no_annotations
+    """Returns what the map contains besides the cells."""
     keep: Keep | None = None
-    """How a file is opened of which only a part is kept."""
+    """Opens a file of which only a part is stored; None if the files are stored whole."""
 
 
 READERS = (
@@ -70,31 +72,31 @@ def read_map(
     topic: str | None = None,
     max_cells: int = MAX_CELLS,
 ) -> OccupancyGrid:
-    """Occupancy grid in a map file; its `source` keeps the bytes, so that `read_source` gives it again.
+    """The occupancy grid in a map file; its `source` stores the bytes, so that `read_source` can read it again.
 
     Parameters
     ----------
     path
-        a map, told by its suffix: map_server YAML, image (PGM, PNG, BMP, TIFF), .npy, Valetudo JSON, bag (.mcap, .db3,
-        .bag, or the folder of a ROS 2 bag), or a recording of vdoor's own, which gives the map that it was made of
+        a map; its suffix determines the format: map_server YAML, image (PGM, PNG, BMP, TIFF), .npy, Valetudo JSON, bag
+        (.mcap, .db3, .bag, or the folder of a ROS 2 bag), or a recording made by vdoor, which contains its input map
     resolution_m
-        metres a cell where the file does not say (0.05 with a warning if nothing does); an error if it says another
+        metres per cell, for files without a resolution (default 0.05, with a warning); an error if the file's differs
     unknown_value
-        the grey, 0 to 255, whose cells are unknown whatever the thresholds say
+        a grey value, 0 to 255, whose cells are unknown regardless of the thresholds
     topic
-        which nav_msgs/OccupancyGrid of a bag; its last message is read
+        the nav_msgs/OccupancyGrid topic to read from a bag; its last message is read
     max_cells
         larger maps are refused before they are decoded; 100 million by default
 
     Raises
     ------
     MapError
-        where a file is missing, damaged, too large, or no map
+        if a file is missing, damaged, too large, or not a map
 
     Warns
     -----
     MapWarning
-        where the file is legal but likely not meant so, or something had to be assumed
+        if the file is valid but probably wrong, or something had to be assumed
 
     """
     options = _options(resolution_m=resolution_m, unknown_value=unknown_value, topic=topic)
@@ -108,7 +110,7 @@ def read_piped(
     unknown_value: int | None = None,
     max_cells: int = MAX_CELLS,
 ) -> OccupancyGrid:
-    """Occupancy grid of a Valetudo map, an image or a .npy that comes out of a pipe; else as from `read_map`."""
+    """The occupancy grid of a Valetudo map, an image or a .npy read from a pipe; otherwise like `read_map`."""
     limit, data = _most_bytes(max_cells), bytearray()
     while len(data) <= limit and (piece := stream.read(PIPE_PIECE)):
         data += piece
@@ -120,14 +122,14 @@ def read_piped(
 
 
 def read_source(source: Source, *, max_cells: int = MAX_CELLS) -> OccupancyGrid:
-    """Occupancy grid in bytes kept from an earlier `read_map`; no file is touched, errors and warnings as there."""
+    """The occupancy grid in the bytes stored by an earlier `read_map`; opens no file, raises and warns like it."""
     return _read(Request(source=source, max_cells=max_cells))
 
 
 def read_annotations(source: Source, *, max_cells: int = MAX_CELLS) -> Annotations | None:
-    """What a map says beside its cells, from bytes kept from an earlier `read_map`; None for formats of cells alone.
+    """The annotations in the bytes stored by an earlier `read_map`; None for formats that contain only cells.
 
-    Errors as from there.
+    Raises the same errors as `read_map`.
     """
     if not source.files:
         return None
@@ -136,12 +138,12 @@ def read_annotations(source: Source, *, max_cells: int = MAX_CELLS) -> Annotatio
 
 
 def _options(**given: float | str | None) -> Options:
-    """Options that were given."""
+    """The options that are not None."""
     return {name: value for name, value in given.items() if value is not None}
 
 
 def _read(request: Request) -> OccupancyGrid:
-    """Grid of a request, its notes as warnings."""
+    """The grid of a request, with its notes issued as warnings."""
     grid = _reader(request).read(request)
     for note in request.notes:
         warnings.warn(note, MapWarning, stacklevel=3)
@@ -149,29 +151,27 @@ def _read(request: Request) -> OccupancyGrid:
 
 
 def _reader(request: Request) -> Reader:
-    """Format of a map, told by the suffix of its first file."""
+    """The reader for a map, chosen by the suffix of its first file; raises MapError if there is none."""
     suffix = Path(request.name).suffix.lower()
     for reader in READERS:
         if suffix in reader.suffixes:
             return reader
     known = ", ".join(suffix for reader in READERS for suffix in reader.suffixes)
-    raise MapError(
-        f"map: wanted a file that ends in {known}, found {suffix or 'no suffix'}: {request.path(request.name)}"
-    )
+    raise MapError(f"map: wanted a file ending in {known}, found {suffix or 'no suffix'}: {request.path(request.name)}")
 
 
 def _opened(path: Path, options: Options, *, max_cells: int) -> Request:
-    """Request to read the map at `path`, with the bytes of all its files, the one at `path` first."""
-    name = path.name.encode(errors="surrogateescape").decode(errors="replace")  # recordings hold text
+    """The request to read the map at `path`, with the bytes of all its files, the one at `path` first."""
+    name = path.name.encode(errors="surrogateescape").decode(errors="replace")  # recordings store names as UTF-8
     bare = Request(source=Source(((name, b""),), options), max_cells=max_cells, paths={name: str(path)})
-    if os.path.isdir(path):  # noqa: PTH112  # pathlib's raises where no file can have that name
+    if os.path.isdir(path):  # noqa: PTH112  # pathlib's raises for an invalid file name
         return bags.keep(path, options, max_cells=max_cells)
     reader = _reader(bare)
     if reader.keep is not None:
         _check_file(path)
         return reader.keep(path, options, max_cells=max_cells)
     if "topic" in options:
-        raise MapError(f"--topic: wanted a bag to choose from, found a {Path(name).suffix}: {path}")
+        raise MapError(f"--topic: wanted a bag, found a {Path(name).suffix}: {path}")
     first = (name, _bytes(path, max_cells=max_cells))
     alone = replace(bare, source=Source((first,), options))
     with alone.naming(name):
@@ -182,12 +182,12 @@ def _opened(path: Path, options: Options, *, max_cells: int) -> Request:
 
 
 def _most_bytes(max_cells: int) -> int:
-    """Size of the largest file that a map of `max_cells` can be."""
+    """The size of the largest possible file with a map of `max_cells`."""
     return max_cells * BYTES_PER_CELL + BYTES_BESIDE
 
 
 def _bytes(path: Path, *, max_cells: int) -> bytes:
-    """All bytes of a regular file; MapError where there is none or it is larger than any map of `max_cells`."""
+    """The bytes of a regular file; raises MapError if there is none, or it is too large for a map of `max_cells`."""
     _check_file(path, _most_bytes(max_cells))
     try:
         return path.read_bytes()
@@ -196,7 +196,7 @@ def _bytes(path: Path, *, max_cells: int) -> bytes:
 
 
 def _check_file(path: Path, limit: float = float("inf")) -> None:
-    """MapError unless there is a regular file of at most `limit` bytes."""
+    """Raise MapError unless the path is a regular file of at most `limit` bytes."""
     try:
         if path.is_file() and path.stat().st_size <= limit:
             return

@@ -1,4 +1,4 @@
-"""Files of bags, opened with rosbags, of which this makes the three things that are wanted: topics, messages, CDR."""
+"""The files of bags, opened with rosbags and reduced to what is needed: topics, messages, conversion to CDR."""
 
 from __future__ import annotations
 
@@ -16,26 +16,26 @@ if TYPE_CHECKING:
     from rosbags.interfaces import Connection
 
 Messages = Iterable[tuple["Connection", int, bytes]]
-"""Messages with the topic they are from and their times."""
+"""Messages, each with its connection, time in nanoseconds and data."""
 
 
 class Bag(NamedTuple):
     """An open file of a bag."""
 
     connections: Sequence[Connection]
-    """Topics, and who wrote to them."""
+    """The connections: topics and their publishers."""
     messages: Callable[[Sequence[Connection]], Messages]
-    """Messages of some of them."""
+    """Returns the messages of some connections."""
     to_cdr: Callable[[bytes], bytes] = bytes
-    """What turns a message into ROS 2's."""
+    """Converts a message to ROS 2's encoding, CDR."""
 
 
 def open_bag(path: Path, limit: int) -> AbstractContextManager[Bag]:
-    """The file, no part of which is unpacked to more than `limit` bytes; damage raises whatever rosbags raises."""
+    """The open file; chunks may decompress to `limit` bytes at most. A damaged file raises whatever rosbags raises."""
     from rosbags.rosbag1 import reader  # noqa: PLC0415  # only bags need it
     from rosbags.rosbag2 import storage_mcap  # noqa: PLC0415
 
-    # rosbags knows no limit when it unpacks chunks; its tables of decompressors are where it takes one.
+    # rosbags has no limit for decompressing chunks; it is set by replacing the functions in its tables.
     for name, unpack in UNPACK.items():
         reader.decompressors[name] = storage_mcap.DECOMPRESSORS[name] = _bounded(unpack, limit)
     return OPEN[path.suffix.lower()](path)
@@ -53,7 +53,7 @@ def _ros1(path: Path) -> Iterator[Bag]:
 def _sqlite(path: Path) -> Iterator[Bag]:
     from rosbags.rosbag2.storage_sqlite3 import Sqlite3Reader  # noqa: PLC0415
 
-    reader = Sqlite3Reader(Path(quote(str(path.absolute()))))  # it makes a URI of the path
+    reader = Sqlite3Reader(Path(quote(str(path.absolute()))))  # the reader puts the path into a URI
     reader.open()
     with closing(reader):
         yield Bag(reader.connections, reader.messages)
@@ -66,22 +66,22 @@ def _mcap(path: Path) -> Iterator[Bag]:
     reader = McapReader(path)
     reader.open()
     with closing(reader):
-        if not reader.connections:  # a summary need not repeat the topics
+        if not reader.connections:  # the summary may not list the topics
             reader.meta_scan()
-        # Without an index of messages rosbags finds none, or wants them in order: these are read from end to end.
+        # Without a message index rosbags finds no messages, or requires them in order; then the whole file is scanned.
         indexed = any(chunk.channel_count for chunk in reader.chunks)
         yield Bag(reader.connections, reader.messages if indexed else reader.messages_scan)
 
 
 OPEN: dict[str, Callable[[Path], AbstractContextManager[Bag]]] = {".bag": _ros1, ".db3": _sqlite, ".mcap": _mcap}
-"""By the suffix of the file."""
+"""Suffix of a bag's file -> the function that opens it."""
 
 
 def _bounded(unpack: Callable[[bytes, int], bytes], limit: int) -> Callable[..., bytes]:
-    """`unpack` with its limit set; some of rosbags' readers say a size after the data, which need not be true."""
+    """`unpack` with its limit set; further arguments are ignored, as the size that rosbags passes may be wrong."""
     return lambda data, *_: unpack(data, limit)
 
 
 def _from_ros1(data: bytes) -> bytes:
-    """A message of ROS 1 as one of ROS 2."""
+    """A ROS 1 message converted to CDR."""
     return bytes(ros.store().ros1_to_cdr(data, TYPE))

@@ -1,4 +1,4 @@
-"""Images: PGM, PNG, BMP and TIFF; on their own they are read in trinary mode with Nav2's default thresholds."""
+"""Images: PGM, PNG, BMP and TIFF; without a YAML they are read in trinary mode with Nav2's default thresholds."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from vdoor.grid import OccupancyGrid
 
 FORMATS = ("PNG", "BMP", "TIFF")
 OPAQUE = 255
-# What Pillow is known to raise on damaged files.
+# Exceptions that Pillow is known to raise for damaged files.
 DAMAGE = (
     OSError, SyntaxError, ValueError, TypeError, LookupError, AttributeError, ArithmeticError, EOFError, MemoryError,
     RuntimeError, struct.error, zlib.error, Image.DecompressionBombError,
@@ -28,7 +28,7 @@ DAMAGE = (
 
 
 def read(request: Request) -> OccupancyGrid:
-    """Grid of a plain image, lower left corner at (0, 0), 0.05 m a cell unless the request says otherwise."""
+    """The grid of a plain image, its lower left corner at (0, 0); 0.05 m per cell unless the request sets another."""
     name = request.name
     with request.naming(name):
         image = decode(request.data(name), max_cells=request.max_cells)
@@ -37,10 +37,10 @@ def read(request: Request) -> OccupancyGrid:
 
 
 def decode(data: bytes, *, max_cells: int) -> GreyImage:
-    """Image in `data` as grey (h, w); the format is told by the content, whatever the file is called.
+    """The image in `data` as grey values (h, w); the format is recognised by content, not by file name.
 
-    MapError where it is damaged, of another format, or larger than `max_cells`. Pillow's own limit of some 179
-    million pixels stays in force for all formats but PGM.
+    Raises MapError if it is damaged, has another format, or is larger than `max_cells`. Pillow's own limit of about
+    179 million pixels also applies, except to PGM.
     """
     if pgm.is_pgm(data):
         return pgm.decode(data, max_cells=max_cells)
@@ -52,7 +52,7 @@ def decode(data: bytes, *, max_cells: int) -> GreyImage:
 
 @contextmanager
 def _pillow() -> Iterator[None]:
-    """Turn what Pillow raises into MapError and keep its warnings from the user."""
+    """Convert Pillow's exceptions to MapError, and suppress its warnings."""
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
@@ -62,23 +62,23 @@ def _pillow() -> Iterator[None]:
     except UnidentifiedImageError:
         raise MapError("image: wanted PGM, PNG, BMP or TIFF, found something else") from None
     except Image.DecompressionBombError as error:
-        raise MapError(f"image: wanted a size that Pillow accepts, found more ({shown(str(error))})") from error
+        raise MapError(f"image: wanted a size that Pillow accepts, found a larger one ({shown(str(error))})") from error
     except DAMAGE as error:
-        raise MapError(f"image: wanted a whole file, found a damaged one ({shown(str(error))})") from error
+        raise MapError(f"image: wanted a complete file, found a damaged one ({shown(str(error))})") from error
 
 
 def _grey(image: Image.Image) -> GreyImage:
-    """Grey of a loaded image: colour by luma, 16 bit grey kept, palettes and transparent keys looked up."""
+    """The grey values of a loaded image: colour as luma, 16-bit grey unchanged, palettes and transparency resolved."""
     if image.mode.startswith("I;16"):
         samples = np.asarray(image).astype(np.uint16)
         key = image.info.get("transparency")
         return GreyImage(samples=samples, maxval=65535, opaque=None if key is None else samples != key)
     if image.mode in ("I", "F"):
-        raise MapError(f"image: wanted 1 to 16 bits a sample, found Pillow's mode {image.mode} of 32")
+        raise MapError(f"image: wanted 1 to 16 bits per sample, found 32 (Pillow's mode {image.mode})")
     if image.mode in ("1", "L") and not image.has_transparency_data:
         return GreyImage(samples=np.asarray(image.convert("L")))
     channels = np.asarray(image.convert("RGBA"))
-    # The luma of ITU-R 601 in GraphicsMagick's whole numbers, which Nav2 reads images with: greys stay exact.
+    # ITU-R 601 luma in the integer arithmetic of GraphicsMagick, with which Nav2 reads images: greys stay exact.
     luma = channels[..., :3].astype(np.uint32) @ np.array([306, 601, 117], np.uint32) >> 10
     opaque = channels[..., 3] == OPAQUE
     return GreyImage(samples=luma.astype(np.uint8), opaque=None if opaque.all() else opaque)

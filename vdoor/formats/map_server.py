@@ -1,7 +1,7 @@
-"""Maps of ROS map_server and Nav2: a YAML file and the image it names.
+"""Maps of ROS map_server and Nav2: a YAML file and the image it refers to.
 
-The semantics are those of Nav2's main branch (see `occupancy`). Scalars are kept as text and then parsed here, since
-YAML 1.1 as PyYAML reads it and yaml-cpp, which Nav2 uses, differ in numbers: 5e-2 is text to the one and 010 is eight.
+The semantics are those of Nav2's main branch (see `occupancy`). Scalars are loaded as text and parsed here, because
+PyYAML (YAML 1.1) and yaml-cpp, which Nav2 uses, read numbers differently: for PyYAML 5e-2 is text and 010 is eight.
 """
 
 from __future__ import annotations
@@ -35,17 +35,17 @@ TRUE, FALSE = ("y", "yes", "true", "on"), ("n", "no", "false", "off")
 
 @dataclass(frozen=True, kw_only=True)
 class Header:
-    """What the YAML says."""
+    """The values in the YAML file."""
 
     image: str
     resolution_m: float
     origin: tuple[float, float, float]
-    """x and y in metres and yaw in radians, which may be nan."""
+    """x and y in metres, and yaw in radians, which may be nan."""
     rule: Rule
 
 
 def read(request: Request) -> OccupancyGrid:
-    """Grid of a YAML file and its image, which is looked for among the request's files by base name alone."""
+    """The grid of a YAML file and its image, which is found among the request's files by base name."""
     name = request.name
     with request.naming(name):
         header = parse(request.data(name))
@@ -67,12 +67,12 @@ def read(request: Request) -> OccupancyGrid:
 
 
 def image_paths(data: bytes) -> tuple[str, ...]:
-    """Paths of the further files that a YAML file needs, as it writes them: relative to itself, or absolute."""
+    """The path of the image as written in the YAML file: relative to that file, or absolute."""
     return (parse(data).image,)
 
 
 def parse(data: bytes) -> Header:
-    """Header in a YAML file; MapError where it is no map_server file or a value cannot be."""
+    """The header in a YAML file; raises MapError if it is not a map_server file, or a value is invalid."""
     table = _table(data)
     return Header(
         image=_value(table, "image", _file),
@@ -88,11 +88,11 @@ def parse(data: bytes) -> Header:
 
 
 def _table(data: bytes) -> Mapping[str, Any]:
-    """YAML as a table of texts, lists and tables."""
+    """The YAML file as a table of strings, lists and tables."""
     if len(data) > MAX_BYTES:
         raise MapError(f"YAML: wanted at most {MAX_BYTES} bytes, found {len(data)}")
     try:
-        # Safe: this loader makes texts, lists and tables, resolves no tag and merges no keys.
+        # Safe: this loader creates only strings, lists and tables, and resolves no tags or merge keys.
         table = yaml.load(data, Loader=yaml.BaseLoader)  # noqa: S506
     except (yaml.YAMLError, ValueError, OverflowError, RecursionError) as error:
         problem = getattr(error, "problem", None) or type(error).__name__
@@ -106,7 +106,7 @@ def _table(data: bytes) -> Mapping[str, Any]:
 
 
 def _value(table: Mapping[str, Any], key: str, convert: Callable[[Any], T]) -> T:
-    """Value of a required key, converted; MapError names the key."""
+    """The converted value of a required key; raises MapError naming the key."""
     if key not in table:
         raise MapError(f"YAML: wanted the key {key}, found none")
     try:
@@ -139,7 +139,7 @@ def _threshold(text: Any) -> float:
 
 
 def _flag(text: Any) -> bool:
-    """Truth of a flag; Nav2 reads a whole number first (all but 0 are true), then the words of YAML."""
+    """The value of a flag as Nav2 reads it: an integer (true unless 0), or one of YAML's words for true and false."""
     word = text.lower() if isinstance(text, str) else ""
     if word in TRUE + FALSE:
         return word in TRUE
@@ -158,15 +158,15 @@ def _mode(text: Any) -> Mode:
 
 
 def _note_oddities(header: Header, request: Request) -> None:
-    """Note what is legal but often a slip."""
+    """Add notes on values that are valid but often a mistake."""
     yaw_rad, rule = header.origin[2], header.rule
     if math.isnan(yaw_rad):
-        request.note("origin: yaw is nan, read as 0", request.name)
+        request.note("origin: yaw is nan, using 0", request.name)
     else:
         request.note_turn(yaw_rad)
     if rule.mode != "raw" and rule.free_thresh >= rule.occupied_thresh:
         request.note(
             f"free_thresh {rule.free_thresh:g} is not below occupied_thresh {rule.occupied_thresh:g}; "
-            "where both hold a cell is free, as Nav2 has it",
+            "a cell that meets both is free, as in Nav2",
             request.name,
         )

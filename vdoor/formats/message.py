@@ -1,4 +1,4 @@
-"""One ``nav_msgs/OccupancyGrid`` message, as ROS 2 puts it on the wire: what is kept of a bag."""
+"""A single ``nav_msgs/OccupancyGrid`` message in ROS 2's wire format (CDR): the stored part of a bag."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from vdoor.recording import ros
 SUFFIX = ".cdr"
 TYPE = "nav_msgs/msg/OccupancyGrid"
 LEVEL_WITHIN = 1e-3
-"""How far the map's z axis may lean, as a sine, before it is said."""
+"""Sine of the largest tilt of the map's z axis that is ignored without a note."""
 
 
 def read(request: Request) -> OccupancyGrid:
-    """Grid of a message, with its own origin and resolution."""
+    """The grid of a message, with the message's origin and resolution."""
     name = request.name
     with request.naming(name):
         request.refuse_unknown_value("a message")
@@ -37,17 +37,17 @@ def read(request: Request) -> OccupancyGrid:
 
 
 def _message(data: bytes) -> Any:
-    """The message in `data`; its arrays look into `data`."""
+    """The message in `data`; its arrays are views of `data`."""
     try:
         return ros.unpack(data, TYPE)
     except RecordingError as error:
         raise MapError(
-            f"message: wanted a whole {TYPE}, found a damaged one ({shown(str(error.__cause__))})"
+            f"message: wanted a complete {TYPE}, found a damaged one ({shown(str(error.__cause__))})"
         ) from error
 
 
 def _cells(message: Any, *, max_cells: int) -> NDArray[np.int8]:
-    """Cells (h, w), row 0 = top; the message's row 0 is the bottom one."""
+    """The cells (h, w), row 0 = top; in the message row 0 is the bottom."""
     height, width = message.info.height, message.info.width
     check_size(height, width, max_cells=max_cells)
     if message.data.size != height * width:
@@ -58,21 +58,21 @@ def _cells(message: Any, *, max_cells: int) -> NDArray[np.int8]:
 
 
 def _resolution_m(single: float) -> float:
-    """Metres a cell of a message, which has single precision: the shortest decimal that is stored so, 0.05 say."""
+    """The resolution in metres per cell: the shortest decimal with the message's float32 value, such as 0.05."""
     with np.errstate(over="ignore"):
         return checked_resolution_m(float(str(np.float32(single))))
 
 
 def _yaw_rad(turn: Any, request: Request) -> float:
-    """Angle about the vertical of a quaternion of any length; a note where it is none, or the map leans."""
+    """The yaw of a quaternion of any length; adds a note if the quaternion is zero or the map is tilted."""
     x, y, z, w = turn.x, turn.y, turn.z, turn.w
     length = math.hypot(x, y, z, w)
     if not math.isfinite(length):
-        raise MapError("origin: wanted a finite quaternion, found another")
+        raise MapError("origin: wanted a finite quaternion, found one that is not")
     if length == 0:
-        request.note("origin: the quaternion is all zeros, read as not turned", request.name)
+        request.note("origin: the quaternion is all zeros, using no rotation", request.name)
         return 0.0
     x, y, z, w = x / length, y / length, z / length, w / length
     if math.hypot(2 * (x * z + w * y), 2 * (y * z - w * x)) > LEVEL_WITHIN:
-        request.note("origin: the map leans, read as if it lay flat", request.name)
+        request.note("origin: the map is tilted, using its yaw only", request.name)
     return math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))

@@ -22,13 +22,13 @@ HEADERS: dict[tuple[int, int], Callable[[io.BytesIO], tuple[Shape, bool, np.dtyp
     (1, 0): npy.read_array_header_1_0,
     (2, 0): npy.read_array_header_2_0,
 }
-# What NumPy's header parser raises on damaged files.
+# Exceptions that NumPy's header parser raises for damaged files.
 DAMAGE = (ValueError, TypeError, LookupError, AttributeError, SyntaxError, EOFError, MemoryError, RecursionError,
           OverflowError, struct.error, tokenize.TokenError)  # fmt: skip
 
 
 def read(request: Request) -> OccupancyGrid:
-    """Grid of a .npy file, lower left corner at (0, 0), 0.05 m a cell unless the request says otherwise."""
+    """The grid of a .npy file, its lower left corner at (0, 0); 0.05 m per cell unless the request sets another."""
     name = request.name
     with request.naming(name):
         request.refuse_unknown_value("an array")
@@ -37,7 +37,7 @@ def read(request: Request) -> OccupancyGrid:
 
 
 def decode(data: bytes, *, max_cells: int) -> NDArray[np.int8]:
-    """Cells (h, w) of a .npy file; MapError where it holds anything but occupancy. Nothing is ever unpickled."""
+    """The cells (h, w) of a .npy file; raises MapError if it contains anything but occupancy. Nothing is unpickled."""
     stream = io.BytesIO(data)
     shape, fortran_order, dtype = _header(stream)
     dimensions = 2
@@ -54,7 +54,7 @@ def decode(data: bytes, *, max_cells: int) -> NDArray[np.int8]:
 
 
 def _header(stream: io.BytesIO) -> tuple[Shape, bool, np.dtype[Any]]:
-    """Shape, whether columns come first, and type; the stream is left at the first cell."""
+    """The shape, whether the order is Fortran's, and the type; the stream is left at the first cell."""
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")

@@ -1,6 +1,6 @@
-"""From grey to occupancy, as Nav2's map_server reads images (its main branch, the vectorised `map_io`).
+"""From grey to occupancy, like Nav2's map_server (its main branch, the vectorised `map_io`).
 
-Older Nav2 and ROS 1 compare strictly and in double precision, and average alpha in as a colour: not followed here.
+Unlike older Nav2 and ROS 1, which compare strictly and in double precision, and average alpha in as a colour.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from vdoor.grid import FREE, OCCUPIED, UNKNOWN
 
 Mode = Literal["trinary", "scale", "raw"]
 USUAL_UNKNOWN = 205
-"""The grey that map savers write for unknown."""
+"""The grey value that map savers write for unknown cells."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -24,27 +24,27 @@ class GreyImage:
     """A decoded image, row 0 = top."""
 
     samples: NDArray[np.uint8] | NDArray[np.uint16]
-    """Grey as the file stores it (h, w)."""
+    """Grey values as stored in the file (h, w)."""
     maxval: int = 255
-    """The sample that means white."""
+    """The sample value of white."""
     opaque: NDArray[np.bool_] | None = None
-    """Where alpha is full (h, w); None = everywhere."""
+    """Whether alpha is full (h, w); None = everywhere."""
 
     def greys(self) -> NDArray[np.uint8]:
-        """Grey (h, w) from 0 black to 255 white, rounded down: 16 bit samples are divided by 257."""
+        """Grey values (h, w) from 0 black to 255 white, rounded down: 16-bit samples are divided by 257."""
         if self.maxval == GREYS - 1:
             return self.samples.astype(np.uint8, copy=False)
         samples = np.minimum(self.samples, self.maxval).astype(np.uint32)
         return (samples * (GREYS - 1) // self.maxval).astype(np.uint8)
 
     def raw(self) -> NDArray[np.uint8]:
-        """Occupancy in per cent (h, w) as raw mode takes it: the samples as stored, 16 bit ones brought to 8 bits."""
+        """Occupancy in per cent (h, w) for raw mode: the samples as stored, 16-bit ones reduced to 8 bits."""
         return self.samples.astype(np.uint8, copy=False) if self.maxval < GREYS else self.greys()
 
 
 @dataclass(frozen=True, kw_only=True)
 class Rule:
-    """How grey becomes occupancy; the defaults are Nav2's and hold for images that come without a YAML."""
+    """How grey becomes occupancy; the defaults are Nav2's, and are used for images without a YAML."""
 
     mode: Mode = "trinary"
     negate: bool = False
@@ -52,7 +52,7 @@ class Rule:
     occupied_thresh: float = 0.65
 
     def table(self) -> NDArray[np.int8]:
-        """Occupancy (256,) of every grey: -1 unknown, 0 free to 100 occupied."""
+        """The occupancy (256,) for each grey value: -1 unknown, 0 free to 100 occupied."""
         greys = np.arange(GREYS)
         if self.mode == "raw":  # ignores `negate`
             return np.where(greys <= OCCUPIED, greys, UNKNOWN).astype(np.int8)
@@ -64,25 +64,25 @@ class Rule:
             between = (darkness > free) & (darkness < occupied)
             span = np.float32(self.occupied_thresh - self.free_thresh)
             percent = (darkness[between] - free) / span * np.float32(100)
-            table[between] = np.floor(percent.astype(np.float64) + 0.5)  # halves go up, as C's round() has it
+            table[between] = np.floor(percent.astype(np.float64) + 0.5)  # halves are rounded up, like C's round()
         table[darkness >= occupied] = OCCUPIED
-        table[darkness <= free] = FREE  # last: where thresholds overlap, free wins
+        table[darkness <= free] = FREE  # last: if the thresholds overlap, free wins
         return table
 
 
 def cells_from_image(image: GreyImage, rule: Rule, *, request: Request, name: str) -> NDArray[np.int8]:
-    """Occupancy (h, w) int8 of an image; notes unknown cells that the rule is about to read as free."""
+    """The occupancy (h, w) int8 of an image; adds a note if the rule reads probably unknown cells as free."""
     greys = image.raw() if rule.mode == "raw" else image.greys()
     table = rule.table()
     if request.unknown_value is not None:
         table[request.unknown_value] = UNKNOWN
     if rule.mode != "raw" and table[USUAL_UNKNOWN] == FREE and (count := np.count_nonzero(greys == USUAL_UNKNOWN)):
         request.note(
-            f"grey {USUAL_UNKNOWN}, which map savers write for unknown, reads as free in {count} cells in mode "
+            f"grey {USUAL_UNKNOWN}, which map savers write for unknown, is read as free in {count} cells in mode "
             f"{rule.mode} with free_thresh {rule.free_thresh:g} (--unknown-value {USUAL_UNKNOWN} keeps it unknown)",
             name,
         )
-    # Byte for byte: indexing the table would first make every grey an index of eight bytes.
+    # Byte by byte: indexing the table would first convert each grey to an index of eight bytes.
     cells = np.frombuffer(greys.tobytes().translate(table.tobytes()), np.int8).reshape(greys.shape)
     if image.opaque is None or rule.mode == "raw":
         return cells

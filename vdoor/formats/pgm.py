@@ -1,6 +1,6 @@
 """PGM images, plain (P2) and binary (P5), 8 and 16 bit, any maxval, with comments.
 
-An own parser since Pillow rescales every maxval to 255 and clips 16 bits, which changes what raw mode reads.
+Parsed here because Pillow rescales all maxvals to 255 and clips 16 bits, which changes the values in raw mode.
 """
 
 from __future__ import annotations
@@ -22,12 +22,12 @@ MAX_DIGITS = 5
 
 
 def is_pgm(data: bytes) -> bool:
-    """Whether the file begins as a PGM does."""
+    """Whether the file begins like a PGM."""
     return data[:2] in (b"P2", b"P5")
 
 
 def decode(data: bytes, *, max_cells: int) -> GreyImage:
-    """Grey image of a PGM, samples (h, w) as stored; MapError where it is damaged or too large."""
+    """The grey image in a PGM, samples (h, w) as stored; raises MapError if it is damaged or too large."""
     header = HEADER.match(data)
     if header is None:
         raise MapError("PGM header: wanted width, height and largest value, found something else")
@@ -41,7 +41,7 @@ def decode(data: bytes, *, max_cells: int) -> GreyImage:
 
 
 def _binary(data: bytes, start: int, *, count: int, wide: bool) -> NDArray[np.uint8] | NDArray[np.uint16]:
-    """`count` samples of one byte, or of two with the high one first."""
+    """`count` samples of one byte, or of two bytes, high byte first."""
     found = (len(data) - start) // (2 if wide else 1)
     if found < count:
         raise MapError(f"PGM samples: wanted {count}, found {found}")
@@ -51,10 +51,10 @@ def _binary(data: bytes, start: int, *, count: int, wide: bool) -> NDArray[np.ui
 
 
 def _plain(data: bytes, start: int, *, count: int, wide: bool) -> NDArray[np.uint8] | NDArray[np.uint16]:
-    """`count` samples written out as decimal numbers; all digits of one power of ten are added at a time."""
+    """`count` samples written as decimal numbers, parsed for all samples one power of ten at a time."""
     body = data[start:]
     text = np.frombuffer(re.sub(COMMENT, b"", body) if b"#" in body else body, np.uint8)
-    digits = text - np.uint8(ord("0"))  # wraps round: all but digits end up over 9
+    digits = text - np.uint8(ord("0"))  # wraps around: everything but digits ends up above 9
     is_digit = digits <= 9  # noqa: PLR2004  # the largest digit
     first = np.flatnonzero(is_digit & np.concatenate([[True], ~is_digit[:-1]]))[:count]
     last = np.flatnonzero(is_digit & np.concatenate([~is_digit[1:], [True]]))[:count]

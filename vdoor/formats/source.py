@@ -1,4 +1,4 @@
-"""What a reader is handed, and the checks that every format shares."""
+"""The request that a reader gets, and the checks shared by all formats."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from vdoor.errors import MapError
 from vdoor.grid import OCCUPIED, UNKNOWN, Source
 
 Options = dict[str, float | int | str]
-"""What the user said beside the file, by name; kept with the source."""
+"""The user's options for reading the file, by name; stored with the source."""
 MAX_CELLS = 100_000_000
 DEFAULT_RESOLUTION_M = 0.05
 FINEST_M, COARSEST_M = 0.0001, 100.0
@@ -25,40 +25,40 @@ GREYS = 256
 
 @dataclass(frozen=True, kw_only=True)
 class Request:
-    """The bytes of a map's files and how to read them; readers look at nothing else."""
+    """The bytes of a map's files and how to read them; readers use nothing else."""
 
     source: Source
     max_cells: int = MAX_CELLS
     paths: dict[str, str] = field(default_factory=dict)
-    """What messages call a file, by its base name; a file that is not here is called by its base name."""
+    """Base name of a file -> its path for messages; the base name is used for files without an entry."""
     notes: list[str] = field(default_factory=list)
-    """What the user should know, in order; becomes warnings once the map is read."""
+    """Notes for the user, in order; issued as warnings once the map is read."""
 
     @property
     def name(self) -> str:
-        """Base name of the file that the map was opened by; MapError where the source keeps none."""
+        """The base name of the file that was opened; raises MapError if the source has no files."""
         if not self.source.files:
             raise MapError("files of the map: wanted at least one, found none")
         return self.source.files[0][0]
 
     def data(self, name: str) -> bytes:
-        """Bytes of the file with this base name; MapError where there is none or it is empty."""
+        """The bytes of the file with this base name; raises MapError if it is missing or empty."""
         data = dict(self.source.files).get(name)
         if not data:
             raise MapError(f"file: wanted a map, found {'no such file' if data is None else 'an empty file'}")
         return data
 
     def path(self, name: str) -> str:
-        """Path by which messages call the file with this base name."""
+        """The path, for messages, of the file with this base name."""
         return self.paths.get(name, name)
 
     def note(self, text: str, name: str) -> None:
-        """Keep something the user should know about one file."""
+        """Add a note for the user about a file."""
         self.notes.append(f"{text}: {self.path(name)}")
 
     @contextmanager
     def naming(self, name: str) -> Iterator[None]:
-        """Put the file's path behind any MapError raised inside."""
+        """Append the file's path to any MapError raised in the block."""
         try:
             yield
         except MapError as error:
@@ -66,47 +66,47 @@ class Request:
 
     @property
     def resolution_m(self) -> float | None:
-        """Metres a cell as the user said, None where nothing was said; MapError where it cannot be."""
-        said = self.source.options.get("resolution_m")
-        return None if said is None else checked_resolution_m(said)
+        """The user's resolution in metres per cell, None if not given; raises MapError if it is invalid."""
+        given = self.source.options.get("resolution_m")
+        return None if given is None else checked_resolution_m(given)
 
     @property
     def unknown_value(self) -> int | None:
-        """The grey that the user calls unknown, 0 to 255, None where nothing was said."""
-        said = self.source.options.get("unknown_value")
-        if said is None or (isinstance(said, int) and not isinstance(said, bool) and 0 <= said < GREYS):
-            return said
-        raise MapError(f"unknown value: wanted a whole number from 0 to {GREYS - 1}, found {shown(said)}")
+        """The user's grey value for unknown cells, 0 to 255, None if not given; raises MapError if it is invalid."""
+        given = self.source.options.get("unknown_value")
+        if given is None or (isinstance(given, int) and not isinstance(given, bool) and 0 <= given < GREYS):
+            return given
+        raise MapError(f"unknown value: wanted a whole number from 0 to {GREYS - 1}, found {shown(given)}")
 
     def refuse_unknown_value(self, what: str) -> None:
-        """Refuse a grey for unknown where cells have no grey; `what` names the format."""
+        """Raise MapError if a grey value is given for a format without greys; `what` is the format's name."""
         if self.unknown_value is not None:
-            raise MapError(f"unknown value: wanted none for {what}, where unknown cells are marked, found one")
+            raise MapError(f"unknown value: wanted none for {what}, which marks its unknown cells, found one")
 
     def note_turn(self, yaw_rad: float) -> None:
-        """Note that a map does not lie along its frame's axes."""
+        """Add a note if the map is rotated in its frame."""
         if yaw_rad != 0:
-            self.note(f"origin: the map is turned by {yaw_rad:g} rad; coordinates turn with it", self.name)
+            self.note(f"origin: the map is rotated by {yaw_rad:g} rad, and coordinates with it", self.name)
 
     def resolution_or_default_m(self, name: str) -> float:
-        """Metres a cell of a format that does not say it itself: as the user said, or 0.05 with a note."""
+        """The resolution in metres per cell for a format without one: the user's, or 0.05 with a note."""
         if self.resolution_m is not None:
             return self.resolution_m
-        self.note(f"resolution: the file says none, {DEFAULT_RESOLUTION_M} m a cell taken (--resolution sets it)", name)
+        self.note(f"resolution: none in the file, using {DEFAULT_RESOLUTION_M} m per cell (--resolution sets it)", name)
         return DEFAULT_RESOLUTION_M
 
 
 def checked_resolution_m(value: object) -> float:
-    """Metres a cell as float; MapError where it is no number, not finite, or no resolution a map can have."""
+    """A resolution in metres per cell as float; raises MapError if it is not a number in the valid range."""
     if isinstance(value, (int, float)) and not isinstance(value, bool) and FINEST_M <= value <= COARSEST_M:
         return float(value)
-    raise MapError(f"resolution: wanted {FINEST_M} to {COARSEST_M:g} m a cell, found {shown(value)}")
+    raise MapError(f"resolution: wanted {FINEST_M} to {COARSEST_M:g} m per cell, found {shown(value)}")
 
 
-def agreed_resolution_m(written_m: float, said_m: float | None) -> float:
-    """Metres a cell as the file has it; MapError where the user says another."""
-    if said_m is not None and not math.isclose(written_m, said_m, rel_tol=1e-9):
-        raise MapError(f"resolution: wanted {said_m:g} m a cell as asked for, found {written_m:g} m")
+def agreed_resolution_m(written_m: float, requested_m: float | None) -> float:
+    """The file's resolution in metres per cell; raises MapError if the user's is different."""
+    if requested_m is not None and not math.isclose(written_m, requested_m, rel_tol=1e-9):
+        raise MapError(f"resolution: wanted {requested_m:g} m per cell as requested, found {written_m:g} m")
     return written_m
 
 
@@ -117,7 +117,7 @@ def check_values(place: str, values: NDArray[np.int8]) -> None:
 
 
 def check_size(height: int, width: int, *, max_cells: int) -> None:
-    """Refuse a map without cells or with too many, as its header announces it, before anything is decoded."""
+    """Raise MapError for the size in a map's header, before decoding, if it has no cells or too many."""
     if height < 1 or width < 1:
         raise MapError(f"size: wanted at least one cell, found {width} x {height}")
     if height * width > max_cells:
@@ -125,16 +125,16 @@ def check_size(height: int, width: int, *, max_cells: int) -> None:
 
 
 def number(text: Any) -> float:
-    """Value that a YAML scalar writes out, nan included; MapError where it is none."""
+    """The number in a YAML scalar, which may be nan; raises MapError if it is not a number."""
     try:
-        # YAML writes .nan and .inf, C writes nan and inf: both are met in real files.
+        # YAML writes .nan and .inf, C writes nan and inf; both occur in real files.
         return float(text.lower().replace(".nan", "nan").replace(".inf", "inf"))
     except (AttributeError, ValueError):
         raise MapError(f"wanted a number, found {shown(text)}") from None
 
 
 def finite(text: Any) -> float:
-    """Finite value that a YAML scalar writes out; MapError where it is none."""
+    """The number in a YAML scalar; raises MapError if it is not a finite number."""
     value = number(text)
     if not math.isfinite(value):
         raise MapError(f"wanted a finite number, found {shown(text)}")
@@ -142,12 +142,12 @@ def finite(text: Any) -> float:
 
 
 def base_name(path: str) -> str:
-    """Last part of a path of any system."""
+    """The last part of a path of any operating system."""
     return PureWindowsPath(path).name
 
 
 def shown(value: object) -> str:
-    """How a message names what was found: short on one line, whatever a hostile file holds."""
+    """A found value as short text on one line for messages, safe for any content of a file."""
     if isinstance(value, (list, tuple, dict)):
         return f"a {'table' if isinstance(value, dict) else 'list'} of {len(value)}"
     text = repr(value)

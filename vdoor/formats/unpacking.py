@@ -1,4 +1,4 @@
-"""Packed bytes, unpacked up to a limit: what a small file unpacks to is not for the file to say."""
+"""Decompression up to a limit, since a small file can decompress to any size."""
 
 from __future__ import annotations
 
@@ -12,43 +12,45 @@ import zstandard
 from vdoor.errors import MapError
 
 PIECE = 1 << 24
-"""Bytes unpacked at a time."""
+"""Bytes decompressed at a time."""
 
 
 def unpack_bz2(data: bytes, limit: int) -> bytes:
-    """Bytes packed with bzip2; MapError where they are more than `limit` or cut short."""
+    """The content of bzip2 data; raises MapError if it is larger than `limit` or cut short."""
     return _gathered(_pieces(bz2.BZ2Decompressor(), data), limit)
 
 
 def unpack_lz4(data: bytes, limit: int) -> bytes:
-    """Bytes packed as an LZ4 frame; MapError where they are more than `limit` or cut short."""
+    """The content of an LZ4 frame; raises MapError if it is larger than `limit` or cut short."""
     return _gathered(_pieces(lz4.frame.LZ4FrameDecompressor(), data), limit)
 
 
 def unpack_zstd(data: bytes, limit: int) -> bytes:
-    """Bytes packed with Zstandard; MapError where they are more than `limit`."""
+    """The content of Zstandard data; raises MapError if it is larger than `limit`."""
     with zstandard.ZstdDecompressor().stream_reader(data, read_across_frames=True) as stream:
         return _gathered(iter(lambda: stream.read(PIECE), b""), limit)
 
 
 UNPACK: dict[str, Callable[[bytes, int], bytes]] = {"bz2": unpack_bz2, "lz4": unpack_lz4, "zstd": unpack_zstd}
-"""By the names that bags have for them."""
+"""Name of a compression in bags -> the function that decompresses it."""
 
 
 def _pieces(unpacker: Any, data: bytes) -> Iterator[bytes]:
-    """What a decompressor gives for `data`, piece by piece."""
+    """The output of a decompressor for `data`, piece by piece; raises MapError if `data` is cut short."""
     yield unpacker.decompress(data, PIECE)
     while not unpacker.eof:
         if unpacker.needs_input:
-            raise MapError("packed bytes: wanted them whole, found them cut short")
+            raise MapError("compressed data: wanted it complete, found it cut short")
         yield unpacker.decompress(b"", PIECE)
 
 
 def _gathered(pieces: Iterator[bytes], limit: int) -> bytes:
-    """All pieces as one."""
+    """The pieces joined; raises MapError as soon as they exceed the limit."""
     gathered = bytearray()
     for piece in pieces:
         gathered += piece
         if len(gathered) > limit:
-            raise MapError(f"packed bytes: wanted at most {limit} when unpacked (--max-cells raises it), found more")
+            raise MapError(
+                f"compressed data: wanted at most {limit} bytes decompressed (--max-cells raises it), found more"
+            )
     return bytes(gathered)

@@ -1,7 +1,7 @@
-"""Maps of robot vacuums as Valetudo serves them: JSON, at ``GET /api/v2/robot/state/map``.
+"""Maps of robot vacuums served by Valetudo: JSON from ``GET /api/v2/robot/state/map``.
 
-The grid is the bounding box of all known cells with a margin, its lower left corner at (0, 0). What the file says
-beside the cells is read by `read_annotations`; of the robot's path, obstacles and goals nothing is taken.
+The grid is the bounding box of all known cells plus a margin, its lower left corner at (0, 0). `read_annotations` reads
+the rest of the file, except the robot's path, obstacles and goals, which are ignored.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ CM_PER_M = 100
 
 @dataclass(frozen=True, kw_only=True)
 class Crop:
-    """The part of a map that its cells lie in."""
+    """The part of a map that becomes the grid."""
 
     left: int
     top: int
@@ -32,13 +32,13 @@ class Crop:
     width: int
 
     def runs(self, layer: Layer) -> Iterator[tuple[int, slice]]:
-        """Row and columns of each run of a layer."""
+        """The row and the columns of each run of a layer."""
         for x, y, count in (layer.runs - (self.left, self.top, 0)).tolist():
             yield y, slice(x, x + count)
 
 
 def read(request: Request) -> OccupancyGrid:
-    """Grid of a Valetudo map: floor and segments are free, walls occupied, also where they overlap."""
+    """The grid of a Valetudo map: floor and segments are free, walls are occupied, even where they overlap others."""
     name = request.name
     with request.naming(name):
         request.refuse_unknown_value("a Valetudo map")
@@ -47,13 +47,13 @@ def read(request: Request) -> OccupancyGrid:
         cells = _cells(home, _crop(home, max_cells=request.max_cells))
     for at, layer in enumerate(home.layers):
         found = int(layer.runs[:, 2].sum())
-        if layer.said_cells not in (None, found):
-            request.note(f"layers[{at}].dimensions: {layer.said_cells} cells are said, {found} are there", name)
+        if layer.declared_cells not in (None, found):
+            request.note(f"layers[{at}].dimensions: {layer.declared_cells} cells declared, {found} found", name)
     return OccupancyGrid.from_array(cells, resolution_m, source=request.source)
 
 
 def read_annotations(request: Request) -> Annotations:
-    """What a Valetudo map says beside its cells; errors as from `read`."""
+    """The annotations of a Valetudo map; raises the same errors as `read`."""
     with request.naming(request.name):
         home = parse(request.data(request.name))
         crop = _crop(home, max_cells=request.max_cells)
@@ -72,24 +72,24 @@ def read_annotations(request: Request) -> Annotations:
 
 
 def segment_labels(table: object, *, max_cells: int) -> NDArray[np.int32]:
-    """Segments 1, 2, ... in the file's order (h, w), of a map that was parsed as JSON; MapError where it is none."""
+    """The segments 1, 2, ... (h, w), in the file's order, of a map parsed as JSON; raises MapError if it is invalid."""
     home = home_of(table)
     return _labels(home, _crop(home, max_cells=max_cells))
 
 
 def _crop(home: Home, *, max_cells: int) -> Crop:
-    """Bounding box of all known cells, and the margin."""
+    """The bounding box of all known cells plus the margin; raises MapError if it is too large."""
     runs = np.concatenate([layer.runs for layer in home.layers])
     left, top = (runs[:, :2].min(axis=0) - MARGIN).tolist()
     right, bottom = (runs[:, 0] + runs[:, 2]).max() + MARGIN, runs[:, 1].max() + 1 + MARGIN
     crop = Crop(left=left, top=top, height=int(bottom - top), width=int(right - left))
     check_size(crop.height, crop.width, max_cells=max_cells)
-    check_size(1, int(runs[:, 2].sum()), max_cells=max_cells)  # layers may lie over each other as often as they like
+    check_size(1, int(runs[:, 2].sum()), max_cells=max_cells)  # any number of layers may overlap
     return crop
 
 
 def _cells(home: Home, crop: Crop) -> NDArray[np.int8]:
-    """Cells (h, w)."""
+    """The occupancy (h, w) int8."""
     cells = np.full((crop.height, crop.width), UNKNOWN, np.int8)
     for layer in sorted(home.layers, key=lambda layer: LAYERS.index(layer.kind)):
         for row, columns in crop.runs(layer):
@@ -98,7 +98,7 @@ def _cells(home: Home, crop: Crop) -> NDArray[np.int8]:
 
 
 def _labels(home: Home, crop: Crop) -> NDArray[np.int32]:
-    """Segments 1, 2, ... (h, w) without the cells that are wall."""
+    """The segments 1, 2, ... (h, w), without wall cells."""
     labels = np.zeros((crop.height, crop.width), np.int32)
     label = 0
     for layer in sorted(home.layers, key=lambda layer: LAYERS.index(layer.kind)):
@@ -109,12 +109,12 @@ def _labels(home: Home, crop: Crop) -> NDArray[np.int32]:
 
 
 def _own_origin_cm(home: Home, crop: Crop) -> Point:
-    """The lower left corner of the grid in the robot's own coordinates."""
+    """The lower left corner of the grid in the robot's own frame, in centimetres."""
     return crop.left * home.cell_cm, (crop.top + crop.height) * home.cell_cm
 
 
 def _lines(home: Home, crop: Crop, kind: str) -> tuple[Line, ...]:
-    """Points in the map frame of all entities of a kind, one line each."""
+    """The points in the map frame of all entities of a kind, one line per entity."""
     left_cm, bottom_cm = _own_origin_cm(home, crop)
     return tuple(
         tuple(((x_cm - left_cm) / CM_PER_M, (bottom_cm - y_cm) / CM_PER_M) for x_cm, y_cm in entity.points_cm.tolist())
@@ -124,5 +124,5 @@ def _lines(home: Home, crop: Crop, kind: str) -> tuple[Line, ...]:
 
 
 def _place(home: Home, crop: Crop, kind: str) -> Point | None:
-    """The first point of the first entity of a kind, None where there is none."""
+    """The first point of the first entity of a kind; None if there is none."""
     return next((line[0] for line in _lines(home, crop, kind)), None)

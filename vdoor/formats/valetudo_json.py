@@ -1,6 +1,6 @@
-"""What a Valetudo map says, checked: robot vacuums serve it as JSON, in cells and centimetres from the top left.
+"""The checked content of a Valetudo map: JSON in cells and centimetres from the top left.
 
-Both versions are read: the first writes a layer's cells as pairs, the second as runs.
+Both versions of the format are read: version 1 stores a layer's cells as pairs, version 2 as runs.
 """
 
 from __future__ import annotations
@@ -18,65 +18,65 @@ from vdoor.formats.source import shown
 T = TypeVar("T", dict[str, Any], list[Any])
 VERSIONS = (1, 2)
 LAYERS = ("floor", "segment", "wall")
-"""Where layers overlap, the later one of these holds."""
+"""Types of layers; where layers overlap, the later type in this list wins."""
 FEWEST_POINTS = {"robot_position": 1, "charger_location": 1, "virtual_wall": 2, "no_go_area": 3, "no_mop_area": 3}
-"""Entities that are read, and how many points they have at least; all others are left aside."""
+"""Types of entities that are read, and their minimum numbers of points; others are ignored."""
 MAX_BYTES = 1 << 24
-"""The largest map seen has a fiftieth of it."""
+"""50 times the size of the largest map seen."""
 MOST_LAYERS = 10_000
 LARGEST_CM = 1_000_000
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Layer:
-    """Cells of one kind."""
+    """A layer: cells of one type."""
 
     kind: str
     runs: NDArray[np.int64]
-    """Runs of cells (k, 3) as x, y of the first and how many to the right."""
+    """Runs of cells (k, 3): x, y of the first cell, and the number of cells to the right."""
     segment_id: str = ""
     name: str = ""
-    said_cells: int | None = None
-    """How many cells it says to have, None where it says nothing."""
+    declared_cells: int | None = None
+    """The number of cells according to the layer's metadata; None if not given."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Entity:
-    """Something with a place."""
+    """An entity: a marker with one or more points."""
 
     kind: str
     points_cm: NDArray[np.float64]
-    """Points (k, 2) as x, y."""
+    """The points (k, 2) as x, y."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Home:
-    """All that is read of a map."""
+    """Everything that is read from a map."""
 
     cell_cm: float
     layers: list[Layer]
-    """At least one cell in all."""
+    """The layers, with at least one cell in total."""
     entities: list[Entity]
 
 
 def is_valetudo(table: object) -> bool:
-    """Whether what a JSON file holds looks like a Valetudo map."""
+    """Whether the content of a JSON file looks like a Valetudo map."""
     return isinstance(table, dict) and "layers" in table and "pixelSize" in table
 
 
 def parse(data: bytes) -> Home:
-    """What a map says; MapError that names the key which is missing or wrong."""
+    """The content of a map; raises MapError naming the missing or invalid key."""
     if len(data) > MAX_BYTES:
         raise MapError(f"JSON: wanted at most {MAX_BYTES} bytes, found {len(data)}")
     try:
         table = json.loads(data)
     except (ValueError, RecursionError) as error:
-        raise MapError(f"JSON: wanted a whole file, found a damaged one ({shown(str(error))})") from None
+        raise MapError(f"JSON: wanted a complete file, found a damaged one ({shown(str(error))})") from None
     return home_of(table)
 
 
 def home_of(table: object) -> Home:
-    """What a map says that was parsed as JSON; errors as from `parse`."""
+    """The content of a map already parsed as JSON; raises the same errors as `parse`."""
     if not isinstance(table, dict):
         raise MapError(f"JSON: wanted a Valetudo map, found {shown(table)}")
     version = _value(_value(table, "metaData", dict), "version", place="metaData.")
@@ -84,7 +84,7 @@ def home_of(table: object) -> Home:
         raise MapError(f"metaData.version: wanted {' or '.join(map(str, VERSIONS))}, found {shown(version)}")
     cell_cm = _positive(_value(table, "pixelSize"), "pixelSize")
     size = _value(table, "size", dict)
-    # The size is in centimetres in all files seen; no cell lies beyond even if it were in cells.
+    # The size is in centimetres in all files seen; the limit is also safe if a file gives it in cells.
     sides = [_positive(_value(size, side, place="size."), f"size.{side}") / min(cell_cm, 1) for side in ("x", "y")]
     tables = _value(table, "layers", list)
     if len(tables) > MOST_LAYERS:
@@ -106,20 +106,20 @@ def _layer(value: object, place: str, sides: list[float]) -> Layer:
     if len(runs) and (first.min() < 0 or (last.max(axis=0) >= sides).any()):
         found = f"x {first[:, 0].min()} to {last[:, 0].max()}, y {first[:, 1].min()} to {last[:, 1].max()}"
         raise MapError(f"{place}: wanted cells within the map's size, found {found}")
-    said = table.get("dimensions")
-    cells = said.get("pixelCount") if isinstance(said, dict) else None
-    layer = Layer(kind=kind, runs=runs, said_cells=cells if isinstance(cells, int) else None)
+    dimensions = table.get("dimensions")
+    cells = dimensions.get("pixelCount") if isinstance(dimensions, dict) else None
+    layer = Layer(kind=kind, runs=runs, declared_cells=cells if isinstance(cells, int) else None)
     if kind != "segment":
         return layer
     about = _value(table, "metaData", dict, place=f"{place}.")
     number, name = _value(about, "segmentId", place=f"{place}.metaData."), about.get("name")
     if isinstance(number, bool) or not isinstance(number, str | int):
-        raise MapError(f"{place}.metaData.segmentId: wanted a text or number, found {shown(number)}")
+        raise MapError(f"{place}.metaData.segmentId: wanted a string or number, found {shown(number)}")
     return replace(layer, segment_id=str(number), name=name if isinstance(name, str) else "")
 
 
 def _runs(layer: dict[str, Any], place: str) -> NDArray[np.int64]:
-    """Runs (k, 3) of a layer, in whichever way it writes them."""
+    """The runs (k, 3) of a layer, from either of its two notations."""
     key = "compressedPixels" if layer.get("compressedPixels") or "pixels" not in layer else "pixels"
     place = f"{place}.{key}"
     if key not in layer:
@@ -135,12 +135,12 @@ def _runs(layer: dict[str, Any], place: str) -> NDArray[np.int64]:
     if width == 2:  # noqa: PLR2004
         runs = np.hstack([runs, np.ones((len(runs), 1), np.int64)])
     if len(runs) and (runs[:, 2].min() < 1 or np.abs(runs).max() > LARGEST_CM):
-        raise MapError(f"{place}: wanted counts from 1 and numbers to {LARGEST_CM}, found others")
+        raise MapError(f"{place}: wanted counts of at least 1 and numbers up to {LARGEST_CM}, found others")
     return runs
 
 
 def _entity(entity: object, place: str) -> Entity | None:
-    """An entity of a kind that is read, None for any other."""
+    """An entity of a type that is read; None for other types."""
     table = _table(entity, place)
     kind = _value(table, "type", place=f"{place}.")
     if not isinstance(kind, str) or kind not in FEWEST_POINTS:
@@ -152,7 +152,7 @@ def _entity(entity: object, place: str) -> Entity | None:
 
 
 def _value(table: dict[str, Any], key: str, kind: type[T] | None = None, *, place: str = "") -> Any:
-    """Value of a required key, of the kind wanted."""
+    """The value of a required key; raises MapError if it is missing or has the wrong type."""
     if key not in table:
         raise MapError(f"{place}{key}: wanted the key, found none")
     value = table[key]
@@ -174,5 +174,5 @@ def _positive(value: object, place: str) -> float:
 
 
 def _is_number(value: object) -> bool:
-    """Whether it is a number that a place can have."""
+    """Whether a value is a number in the range of coordinates."""
     return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) <= LARGEST_CM

@@ -1,4 +1,4 @@
-"""A new map matched with an older one of the same place, so that rooms keep their ids and names.
+"""Matching a new map with an older one of the same place, so that rooms keep their ids and names.
 
 >>> import vdoor
 >>> old = vdoor.edited(vdoor.run(vdoor.read_map("recordings/flat.yaml")), ["name 2.9,6.5 Kitchen", "number 2.9,6.5 7"])

@@ -1,4 +1,4 @@
-"""How an older map of the same place lies to a new one: in the same frame, or moved."""
+"""Alignment of an older map with a new one of the same place: in the same frame, or shifted."""
 
 from __future__ import annotations
 
@@ -17,53 +17,56 @@ Ints = NDArray[np.int32]
 
 CM_PER_M = 100
 MOST_SIDE = 1024
-"""Cells along the longer side of the rasters that are shifted over each other."""
+"""Cells along the longer side of the rasters that are correlated."""
 PEAKS = 8
-"""Shifts that are tried in full."""
+"""Number of correlation peaks, as shifts, whose overlap is computed."""
 BETTER = 0.02
-"""How much more must lie over each other for another shift to be believed than the known one."""
+"""Gain in overlap over the known shift that another shift must have to replace it."""
 MOST_POINTS = 40_000
-"""Cells of rooms that a shift is tried with."""
+"""Largest number of room cells from which an overlap is computed."""
 
 
 @dataclass(frozen=True)
 class Alignment:
-    """Where the older map lies in the new map's frame."""
+    """The position of the older map in the new map's frame."""
 
     shift_m: Point
-    """What is added to the older map's x, y."""
+    """The shift to add to the older map's x, y."""
     overlap: float
-    """Share of the area of both maps' rooms that is in both, 0 to 1."""
+    """Intersection over union of the two maps' room areas, 0 to 1."""
 
 
 def aligned(old: TopologicalMap, new: TopologicalMap) -> Alignment:
-    """The shift by which the rooms of both maps lie over each other best; the known one where that is as good.
+    """The shift with the largest overlap of the two maps' rooms; the known shift if no other is clearly better.
 
-    Maps may be of different resolutions, sizes and origins, and one may show more than the other. They are not turned:
-    frames that are turned to each other are taken as they say.
+    The maps may differ in resolution, size and origin, and one may cover more than the other. No rotation is estimated:
+    only the yaw of the two frames is used.
     """
     overlap = _Overlap(old, new)
     shifts = [np.array(known_shift_m(old, new)), *_candidates(old, new)]
     found = [(shift, overlap(shift)) for shift in shifts]
-    still = found[0][1]
+    known = found[0][1]
     best, most = max(found[1:], key=lambda pair: pair[1], default=found[0])
-    if most > still:
+    if most > known:
         best, most = _refined(overlap, best, most, min(old.frame.resolution_m, new.frame.resolution_m) / 2)
-    if most < still + BETTER:
+    if most < known + BETTER:
         best, most = found[0]
     return Alignment((float(best[0]), float(best[1])), most)
 
 
 def known_shift_m(old: TopologicalMap, new: TopologicalMap) -> Point:
-    """How far the older map's frame lies from the new one's, if the robot has not lost its place between them."""
+    """The shift between the two map frames, from their origins in the robot's own frame; 0, 0 if these are unknown.
+
+    Correct if the robot kept its own frame between the two maps.
+    """
     if old.own_origin_cm is None or new.own_origin_cm is None:
         return 0.0, 0.0
     (old_x_cm, old_y_cm), (x_cm, y_cm) = old.own_origin_cm, new.own_origin_cm
-    return (old_x_cm - x_cm) / CM_PER_M, (y_cm - old_y_cm) / CM_PER_M  # the robot's y runs down
+    return (old_x_cm - x_cm) / CM_PER_M, (y_cm - old_y_cm) / CM_PER_M  # the robot's y axis points down
 
 
 def labels_under(old: TopologicalMap, points_m: Floats, shift_m: Floats) -> Ints:
-    """Room (k,) of the older map at points (k, 2) of the new one, 0 where none is."""
+    """The older map's room (k,) at points (k, 2) of the new map; 0 for none."""
     cells = np.floor(old.frame.cell_from_world(points_m - shift_m) + 0.5).astype(np.int64)
     inside = ((cells >= 0) & (cells < old.labels.shape)).all(axis=1)
     labels = np.zeros(len(points_m), np.int32)
@@ -72,7 +75,7 @@ def labels_under(old: TopologicalMap, points_m: Floats, shift_m: Floats) -> Ints
 
 
 class _Overlap:
-    """Area in rooms of both maps, as a share of that in rooms of either, by the shift of the older one."""
+    """Intersection over union of the two maps' room areas, as a function of the older map's shift."""
 
     def __init__(self, old: TopologicalMap, new: TopologicalMap) -> None:
         inside = np.flatnonzero(new.labels)
@@ -88,7 +91,7 @@ class _Overlap:
 
 
 def _candidates(old: TopologicalMap, new: TopologicalMap) -> list[Floats]:
-    """Shifts in metres at which most of the rooms' borders fall on each other."""
+    """The shifts in metres at which the edges of the two maps' rooms correlate most, best first."""
     borders_m = [_borders_m(topology) for topology in (old, new)]
     if not all(map(len, borders_m)):
         return []
@@ -103,14 +106,14 @@ def _candidates(old: TopologicalMap, new: TopologicalMap) -> list[Floats]:
 
 
 def _borders_m(topology: TopologicalMap) -> Floats:
-    """Cells (k, 2) at the edge of the rooms as x, y."""
+    """The centres (k, 2), as x, y, of cells on the edge of the space covered by rooms."""
     rooms = np.pad(topology.labels > 0, 1)
     inner = rooms[1:-1, 1:-1] & rooms[:-2, 1:-1] & rooms[2:, 1:-1] & rooms[1:-1, :-2] & rooms[1:-1, 2:]
     return topology.frame.world_from_cell(np.argwhere(rooms[1:-1, 1:-1] & ~inner))
 
 
 def _raster(points_m: Floats, cell_m: float) -> tuple[Floats, Floats]:
-    """Points drawn on cells, softly, and x, y of the first cell."""
+    """The points drawn on a raster and blurred, and x, y of its first cell."""
     low = points_m.min(axis=0)
     cells = np.rint((points_m - low) / cell_m).astype(int)
     drawn = np.zeros(cells.max(axis=0) + 1)
@@ -119,12 +122,12 @@ def _raster(points_m: Floats, cell_m: float) -> tuple[Floats, Floats]:
 
 
 def _refined(overlap: _Overlap, shift_m: Floats, most: float, step_m: float) -> tuple[Floats, float]:
-    """The shift moved step by step as long as more lies over each other, and how much does."""
+    """The shift improved by steps of `step_m` to a local maximum of the overlap, and that overlap."""
     ways = step_m * np.array([(dx, dy) for dx in (-1, 0, 1) for dy in (-1, 0, 1) if dx or dy], np.float64)
     for _ in range(20):
         tried = [(shift_m + way, overlap(shift_m + way)) for way in ways]
         best = max(tried, key=lambda pair: pair[1])
-        if best[1] <= most + 1e-9:  # a rounding error
+        if best[1] <= most + 1e-9:  # no better than by rounding
             break
         shift_m, most = best
     return shift_m, most

@@ -1,4 +1,4 @@
-"""Ids, names and edits of an older run carried over to a new one."""
+"""Carrying over ids, names and edits of an older run to a new one."""
 
 from __future__ import annotations
 
@@ -26,16 +26,16 @@ R = TypeVar("R", bound=Record)
 
 @dataclass(frozen=True)
 class Older:
-    """The run that rooms are matched with."""
+    """The older run whose rooms are matched."""
 
     topology: TopologicalMap
     edits: tuple[Edit, ...] = ()
     taken: int = 0
-    """The highest id that a room had before it."""
+    """The highest room id used before that run."""
 
     @classmethod
     def of(cls, topology: TopologicalMap, settings: Mapping[str, Any]) -> Older:
-        """A finished run by its map and settings; `SettingError` for edits that are none."""
+        """A finished run from its map and settings; raises `SettingError` for invalid edits."""
         stage = replaced(EditRooms(), _table(settings), "settings of the result: edit")
         return cls(topology, stage.parsed, stage.taken)
 
@@ -43,11 +43,11 @@ class Older:
 def carried_over(
     older: Older, grid: OccupancyGrid, pipeline: AnyPipeline, *, seed: int, edits_too: bool
 ) -> tuple[AnyPipeline, Match]:
-    """The pipeline with the edits that give rooms the ids and names of an older run; and what became of its rooms.
+    """The pipeline with edits that give rooms the ids and names of an older run, and the match of the two maps' rooms.
 
-    To find them the run is done once, and once more where the older run has edits that come over with it (`edits_too`):
-    those that change where rooms and doors are, moved to where they belong on the new map. Ids and names that the
-    pipeline's own edits give stand. The pipeline is prepared for the map, if it is not.
+    This runs the pipeline once and, with `edits_too`, again if the older run has edits that change rooms or doors.
+    These are carried over first, shifted to the new map's frame. Ids and names from the pipeline's own edits are kept.
+    The pipeline is prepared for the map if it is not yet.
     """
     pipeline = prepared(pipeline, grid).pipeline
     topology, edits = _run(pipeline, grid, seed)
@@ -75,7 +75,7 @@ def _table(settings: Mapping[str, Any]) -> Mapping[str, Any]:
 
 
 def _run(pipeline: AnyPipeline, grid: OccupancyGrid, seed: int) -> tuple[TopologicalMap, Edits | None]:
-    """The map, and what came of its edits."""
+    """The topological map, and the record of its edits, None if it has none."""
     seen: list[Edits] = []
 
     def emit(record: R, /) -> R:
@@ -93,7 +93,7 @@ def _with_edits(pipeline: AnyPipeline, edits: Sequence[str], *, taken: int | Non
 
 
 def _rooms_of(edits: Edits | None, kind: str) -> set[int]:
-    """The rooms that edits of one kind speak of and that are there."""
+    """The ids of the rooms that successful edits of one kind refer to."""
     if edits is None:
         return set()
     good = np.isin(edits.verdict, [VERDICTS.index(word) for word in (DONE, NEEDLESS)])

@@ -1,4 +1,4 @@
-"""Which rooms of a new map are which of an older one."""
+"""Matching the rooms of a new map with those of an older one."""
 
 from __future__ import annotations
 
@@ -17,42 +17,42 @@ from vdoor.topology import TopologicalMap
 Areas = NDArray[np.float64]
 
 CHUNK = 1_000_000
-"""Cells at a time: bounds the memory."""
+"""Cells processed at a time, to limit memory."""
 HALF = 0.5
-"""Rooms are the same only if half of the smaller one lies in the other."""
+"""Rooms match only if at least this share of the smaller one lies in the other."""
 
 
 @dataclass(frozen=True)
 class Kept:
-    """A room that was there before."""
+    """A room that is in both maps."""
 
     id: int
     name: str
     same: float
-    """Area that is in the room both before and now, as a share of the area that is in either, 0 to 1."""
+    """Intersection over union of the old and the new room's areas, 0 to 1."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Match:
-    """What became of the rooms of an older map; rooms of now by the ids that `edits` give them."""
+    """The match of a new map's rooms with an older map's; new rooms have the ids that `edits` give them."""
 
     alignment: Alignment
     kept: tuple[Kept, ...]
     new: tuple[int, ...]
-    """Rooms that were none before."""
+    """New rooms that match no old one."""
     gone: tuple[int, ...]
-    """Rooms of before that are none now."""
+    """Old rooms that match no new one."""
     split: Mapping[int, tuple[int, ...]]
-    """Rooms of before, and the rooms of now that mostly lie in each, where there are several."""
+    """Old room -> the new rooms that mostly lie in it, if there are several."""
     merged: Mapping[int, tuple[int, ...]]
-    """Rooms of now, and the rooms of before that mostly lie in each, where there are several."""
+    """New room -> the old rooms that mostly lie in it, if there are several."""
     edits: tuple[str, ...]
-    """What gives the new map these ids and names."""
+    """The edits that give the new map these ids and names."""
     taken: int
-    """The highest id that a room has or had."""
+    """The highest room id used so far."""
 
     def document(self) -> dict[str, Any]:
-        """All but the edits as plain values."""
+        """The match, without the edits, as a JSON document."""
         return {
             "shift_m": list(self.alignment.shift_m),
             "overlap": self.alignment.overlap,
@@ -64,10 +64,10 @@ class Match:
         }
 
     def lines(self) -> Iterator[str]:
-        """What to tell of it."""
+        """The match as lines of text for the user."""
         x_m, y_m = self.alignment.shift_m
-        moved = f"moved by {x_m:.2f},{y_m:.2f} m" if x_m or y_m else "in the same frame"
-        yield f"the older map lies {moved}, {self.alignment.overlap:.0%} of the rooms' area is in both"
+        shift = f"shifted by {x_m:.2f},{y_m:.2f} m" if x_m or y_m else "in the same frame"
+        yield f"the older map is {shift}; {self.alignment.overlap:.0%} of the rooms' area is in both maps"
         names = [f"{kept.id} {kept.name}".strip() for kept in self.kept]
         yield f"rooms kept: {', '.join(names) or 'none'}"
         for word, rooms in (("new", self.new), ("gone", self.gone)):
@@ -88,10 +88,10 @@ def match(
     numbered: Collection[int] = (),
     named: Collection[int] = (),
 ) -> Match:
-    """Rooms of `new` paired with those of `old` one to one, so that most of their area is the same.
+    """The match of `new`'s rooms with `old`'s, one to one, with the largest total overlap.
 
-    Rooms without a partner get ids above `taken` and above all of `old`. Rooms of `new` in `numbered` keep the ids that
-    they have there, those in `named` their names, whatever was before.
+    Rooms without a partner get ids above `taken` and above all ids of `old`. Rooms of `new` listed in `numbered` keep
+    their ids, those in `named` their names, whatever they match.
     """
     alignment = alignment or aligned(old, new)
     common_m2 = _common_m2(old, new, alignment)
@@ -124,7 +124,7 @@ def match(
 
 
 def _common_m2(old: TopologicalMap, new: TopologicalMap, alignment: Alignment) -> Areas:
-    """Area (old rooms, new rooms) that each two have in common, counted in the new map's cells."""
+    """The common area (old rooms, new rooms) of each two rooms, counted in cells of the new map."""
     shape = len(old.room_ids), len(new.room_ids)
     count = np.zeros(shape[0] * shape[1], np.int64)
     inside = np.flatnonzero(new.labels)
@@ -140,12 +140,12 @@ def _common_m2(old: TopologicalMap, new: TopologicalMap, alignment: Alignment) -
 
 
 def _same(old: TopologicalMap, new: TopologicalMap, common_m2: Areas) -> Areas:
-    """Area that two rooms have in common as a share of the area in either."""
+    """The intersection over union (old rooms, new rooms) of each two rooms' areas."""
     return np.asarray(common_m2 / (old.area_m2[:, None] + new.area_m2 - common_m2))
 
 
 def _pairs(old: TopologicalMap, new: TopologicalMap, common_m2: Areas) -> dict[int, int]:
-    """Old room by new room, one to one, for the largest sum of shares."""
+    """New room -> old room, one to one, with the largest sum of intersections over union."""
     smaller_m2 = np.minimum(old.area_m2[:, None], new.area_m2)
     share = np.where(common_m2 >= HALF * smaller_m2, _same(old, new, common_m2), 0.0)
     rows, columns = linear_sum_assignment(share, maximize=True)
@@ -156,7 +156,7 @@ def _pairs(old: TopologicalMap, new: TopologicalMap, common_m2: Areas) -> dict[i
 def _ids(
     old: TopologicalMap, new: TopologicalMap, pairs: Mapping[int, int], *, taken: int, numbered: Collection[int]
 ) -> tuple[dict[int, int], int]:
-    """The id that each new room is to have, and the highest of all."""
+    """The id for each new room, and the highest id used so far."""
     ids = {room: room for room in numbered}
     ids |= {now: before for now, before in pairs.items() if now not in ids and before not in numbered}
     taken = max([taken, *old.room_ids, *numbered])
@@ -168,13 +168,13 @@ def _ids(
 
 
 def _several(within: NDArray[np.bool_]) -> Iterator[tuple[int, list[int]]]:
-    """The rows of a table (k, m) in which more than one column is set, and these columns."""
+    """The rows of a table (k, m) with more than one column set, and these columns."""
     for row in np.flatnonzero(within.sum(axis=1) > 1).tolist():
         yield row, np.flatnonzero(within[row]).tolist()
 
 
 def _edits(new: TopologicalMap, ids: Mapping[int, int], names: Mapping[int, str]) -> Iterator[Edit]:
-    """Ids for all rooms, so that they hold however rooms are counted the next time; names for those that have one."""
+    """The edits that set all rooms' ids, so that these do not depend on the order of rooms, and the names if any."""
     for room in new.rooms:
         yield Edit("number", (room.centre_m,), id=ids[room.id])
         if names.get(room.id):

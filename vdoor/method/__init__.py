@@ -1,1 +1,1 @@
-"""The stages of the method, one file each: record, settings, algorithm. `vdoor.pipeline` puts them in a row."""
+"""The stages of the method, one module each: record, settings, algorithm. `vdoor.pipeline` calls them in order."""

@@ -1,4 +1,4 @@
-"""The arrangement of doors on the free space: the pieces it is cut into, and which doors keep them apart."""
+"""The arrangement of virtual doors on the free space: the pieces it is cut into, and the doors that separate them."""
 
 from __future__ import annotations
 
@@ -17,26 +17,30 @@ Ints = NDArray[np.int32]
 Mask = NDArray[np.bool_]
 
 HOPS = 3
-"""How many doors a door is looked through for the regions at its sides."""
+"""Number of adjacent doors across which the regions beside a door are searched."""
 
 
 @dataclass(frozen=True)
 class Pieces:
-    """The free space cut along doors, which are numbered 0 to k - 1 here."""
+    """The free space cut along doors, which are numbered 0 to k - 1 here.
+
+    Its pieces are regions between the doors, and atoms: groups of door cells that are on the same set of doors.
+    """
 
     label: Ints
     """(h, w) piece + 1, 0 where not free; regions first, then atoms."""
     regions: int
+    """The number of regions."""
     cells: NDArray[np.int64]
-    """(pieces,) how many cells each has."""
+    """(pieces,) number of cells of each piece."""
     cover: Ints
-    """(m, 2) atom, door: which doors the atom lies on, sorted."""
+    """(m, 2) atom, door: the doors that each atom is on, sorted."""
     touch: Ints
     """(t, 2) pieces a < b with 4-adjacent cells, sorted."""
 
 
 def cut(free: Mask, doors: VirtualDoors, chosen: Ints) -> Pieces:
-    """Cut the free space along the chosen doors (rows of `doors`)."""
+    """The free space cut along the chosen doors (rows of `doors`)."""
     number = np.full(len(doors.verdict), -1, np.int32)
     number[chosen] = np.arange(len(chosen), dtype=np.int32)
     on = number[doors.line_door] >= 0
@@ -47,7 +51,7 @@ def cut(free: Mask, doors: VirtualDoors, chosen: Ints) -> Pieces:
     region_space.reshape(-1)[cell] = False
     label, regions = label_cells(region_space, connectivity=1, return_num=True)
     label.reshape(-1)[cell] = regions + 1 + atom_of_cell
-    # Adjacency is asked of the door cells only: regions never touch each other.
+    # Only door cells need checking for adjacency: regions never touch each other.
     padded = np.pad(label, 1)
     row, col = np.divmod(cell, free.shape[1])
     pairs = [
@@ -62,9 +66,9 @@ def cut(free: Mask, doors: VirtualDoors, chosen: Ints) -> Pieces:
 
 
 def atoms(flat: NDArray[np.int64], door: Ints, width: int) -> tuple[NDArray[np.int64], NDArray[np.intp], Ints]:
-    """Door cells (k,) as sorted flat indices, the atom of each, and rows (m, 2) of atom and door, sorted.
+    """Door cells (k,) as sorted flat indices, the atom (k,) of each, and rows (m, 2) of atom and door, sorted.
 
-    An atom is a 4-connected group of cells that lie on the same set of doors.
+    An atom is a 4-connected group of cells that are on the same set of doors.
     """
     order = np.lexsort((door, flat))
     flat, door = flat[order], door[order]
@@ -83,7 +87,7 @@ def atoms(flat: NDArray[np.int64], door: Ints, width: int) -> tuple[NDArray[np.i
 
 
 def sets_of_doors(door: Ints, begin: NDArray[np.intp]) -> NDArray[np.int64]:
-    """A number (cells,) for each cell's set of doors, which are sorted: equal for equal sets, and for no others."""
+    """A number (cells,) for each cell's set of doors, equal only for equal sets; `door` must be sorted in each cell."""
     count = np.diff(np.append(begin, len(door)))
     number = np.zeros(len(begin), np.int64)
     for place in range(count.max(initial=0)):
@@ -94,7 +98,7 @@ def sets_of_doors(door: Ints, begin: NDArray[np.intp]) -> NDArray[np.int64]:
 
 
 def components(links: NDArray[np.intp], count: int) -> NDArray[np.intp]:
-    """Component (count,) of each node under links (2, k), numbered by their first member."""
+    """The component (count,) of each node under links (2, k), numbered in the order of their first nodes."""
     if not count:
         return np.zeros(0, np.intp)
     graph = coo_array((np.ones(links.shape[1], np.bool_), (links[0], links[1])), shape=(count, count))
@@ -104,10 +108,10 @@ def components(links: NDArray[np.intp], count: int) -> NDArray[np.intp]:
 
 
 def borders(pieces: Pieces, doors: int) -> Ints:
-    """Rows (k, 2) of door and region it borders, sorted.
+    """Rows (k, 2) of each door and the regions it borders, sorted.
 
-    A door borders the regions its own atoms touch. Where those are fewer than two, a door beside or across it takes
-    their place on one side, and the regions behind that one count as well, up to `HOPS` doors away.
+    A door borders the regions that its atoms touch. If those are fewer than two, another door runs along or across it
+    on one side; the regions beyond that door count as well, up to `HOPS` doors away.
     """
     to_region = pieces.touch[pieces.touch[:, 0] < pieces.regions][:, ::-1] - np.array([pieces.regions, 0], np.int32)
     between = pieces.touch[pieces.touch[:, 0] >= pieces.regions] - np.int32(pieces.regions)
@@ -126,7 +130,7 @@ def borders(pieces: Pieces, doors: int) -> Ints:
 
 
 def _join(key_left: NDArray[np.integer], key_right: NDArray[np.integer]) -> Ints:
-    """Rows (left, right), unique and sorted, of two relations (key, left) and (key, right): a product of matrices."""
+    """The join of the relations (key, left) and (key, right): unique sorted rows (left, right), by a matrix product."""
     keys = int(max(key_left[:, 0].max(initial=-1), key_right[:, 0].max(initial=-1))) + 1
     left, right = (
         coo_array(

@@ -1,4 +1,4 @@
-"""Section II.B: the boundary, walked by the left-hand path and sampled."""
+"""Section II.B: the boundary, walked along the left-hand path and sampled."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ HEADINGS = ("east", "north", "west", "south")
 
 
 class BoundaryPath(Record):
-    """Closed cycles around the free space with the wall on the left, one per contour, samples in walking order.
+    """Closed cycles along the boundary with the wall on the left, one per contour, samples in walking order.
 
     Positions in half cells are exact: the centre of cell (row, col) is (2 row + 1, 2 col + 1).
     """
@@ -31,24 +31,24 @@ class BoundaryPath(Record):
     topic: ClassVar[str] = "path"
 
     cell: Annotated[NDArray[np.int32], Spec("cell", "sample 2")]
-    """The obstacle cell at the walker's left hand."""
+    """The obstacle cell on the walker's left."""
     free_cell: Annotated[NDArray[np.int32], Spec("column", "sample 2")]
-    """The free cell the walker stands on."""
+    """The free cell that the walker is on."""
     half: Annotated[NDArray[np.int32], Spec("column", "sample 2", unit="half cells")]
-    """The sample's own position: the obstacle cell's centre, or the middle of the crack beside it."""
+    """The position of the sample: the obstacle cell's centre, or the middle of the crack beside it."""
     heading: Annotated[NDArray[np.uint8], Spec("code", "sample", words=HEADINGS)]
     turned_left: Annotated[NDArray[np.bool_], Spec("column", "sample")]
-    """The walker turned left around this obstacle cell."""
+    """Whether the walker turned left around this obstacle cell."""
     contour: Annotated[NDArray[np.int32], Spec("column", "sample", of="path.first")]
     arc_m: Annotated[NDArray[np.float64], Spec("column", "sample", unit="m", tolerance=1e-9)]
-    """Length of the path from the contour's first sample."""
+    """Path length from the contour's first sample."""
     first: Annotated[NDArray[np.int32], Spec("column", "contour", of="path.cell")]
     """The contour's first sample."""
     length_m: Annotated[NDArray[np.float64], Spec("column", "contour", unit="m", tolerance=1e-9)]
     outer: Annotated[NDArray[np.bool_], Spec("column", "contour")]
-    """The contour runs around the free space, not around an island in it."""
+    """Whether the contour runs around the free space, not around an island in it."""
     on_cracks: Annotated[int, Spec("count")]
-    """1 where samples are crack middles, 0 where they are obstacle cells (paper)."""
+    """1 if samples are crack middles, 0 if they are obstacle cells (paper)."""
     frame: Frame
 
 
@@ -57,10 +57,11 @@ class TraceBoundary:
     """Walk the boundary with the wall on the left and sample it."""
 
     cracks_below_m: Annotated[float, Within(0, 10)] = 0.1
-    """Cells smaller than this are sampled at the middles of cracks, others at obstacle cells (paper)."""
+    """For cells smaller than this, samples are crack middles; for others, obstacle cells (paper). A crack is the side
+    between a free cell and an obstacle cell."""
 
     def __call__(self, simplified: SimplifiedGrid) -> BoundaryPath:
-        """One closed cycle per contour, the outer boundary and every island."""
+        """One closed cycle per contour: outer boundaries and islands."""
         contours = follow(simplified.cells == FREE)
         on_cracks = simplified.frame.resolution_m < self.cracks_below_m
         wall = contours.cell + STEP[(contours.heading + 1) % 4]
@@ -82,7 +83,7 @@ class TraceBoundary:
         if on_cracks:
             half -= STEP[(contours.heading[keep] + 1) % 4]
         turned_left = np.zeros(len(half), np.bool_)
-        # Both cracks beside a corner belong to it, so that the mark mirrors with the map.
+        # Both cracks beside a corner are marked, so that the marks mirror with the map.
         after = np.arange(1, len(wall) + 1)
         after[contours.first + contours.length - 1] = contours.first
         for side in (np.arange(len(wall)), after):
@@ -105,7 +106,7 @@ class TraceBoundary:
 
 
 def sample_of_crack(keep: NDArray[np.bool_], contours: Contours) -> NDArray[np.intp]:
-    """Which sample each crack belongs to: the last one kept at or before it on its contour, cyclically."""
+    """The sample that each crack belongs to: the last one kept at or before it on its contour, cyclically."""
     sample = np.cumsum(keep) - 1
     last = sample[contours.first + contours.length - 1]
     begin = sample[contours.first] + ~keep[contours.first]
@@ -113,10 +114,10 @@ def sample_of_crack(keep: NDArray[np.bool_], contours: Contours) -> NDArray[np.i
 
 
 def arc_lengths(half: NDArray[np.int32], first: NDArray[np.int32], cell_m: float) -> tuple[Floats, Floats]:
-    """Path length in metres from each contour's first sample (n,), and of each whole contour (contours,).
+    """Path length in metres from the contour's first sample to each sample (n,), and of each contour (contours,).
 
-    Straight and slanting steps are counted as whole numbers and turned into metres last, so that a length does not
-    depend on where its contour happens to begin.
+    Straight and diagonal steps are counted as integers and converted to metres last, so that lengths do not depend on
+    where a contour begins.
     """
     straight, slant, contour_straight, contour_slant = step_counts(half, first)
     to_m = cell_m / 2
@@ -125,7 +126,7 @@ def arc_lengths(half: NDArray[np.int32], first: NDArray[np.int32], cell_m: float
 
 
 def step_counts(half: NDArray[np.int32], first: NDArray[np.int32]) -> tuple[Ints, Ints, Ints, Ints]:
-    """Half cells gone straight and gone slanting before each sample of its contour, and around each whole contour."""
+    """Straight and diagonal steps, in half cells, before each sample (n,) of its contour, and of each whole contour."""
     after = np.arange(1, len(half) + 1)
     after[np.append(first[1:], len(half)) - 1] = first
     step = np.abs(half[after] - half)

@@ -1,4 +1,4 @@
-"""Section II.B, eq. 6: candidate corner features, and those of locally greatest curvature."""
+"""Section II.B, eq. 6: candidates, and corners, the candidates of locally greatest curvature."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from vdoor.record import Record, Spec
 
 
 class Candidates(Record):
-    """Samples that bend more than the threshold."""
+    """Samples with more curvature than the threshold."""
 
     topic: ClassVar[str] = "candidates"
 
@@ -36,7 +36,7 @@ class Corners(Record):
     cell: Annotated[NDArray[np.int32], Spec("cell", "corner 2")]
     sample: Annotated[NDArray[np.int32], Spec("column", "corner", of="path.cell")]
     quarter: Annotated[NDArray[np.int32], Spec("column", "corner 2", unit="quarter cells")]
-    """Middle of the plateau of greatest curvature: (4 row + 2, 4 col + 2) is the centre of a cell."""
+    """Middle of the corner's plateau of greatest curvature; the centre of a cell is (4 row + 2, 4 col + 2)."""
     angle_rad: Annotated[NDArray[np.float64], Spec("column", "corner", unit="rad", tolerance=1e-9)]
     convex: Annotated[NDArray[np.bool_], Spec("column", "corner")]
     frame: Frame
@@ -44,16 +44,16 @@ class Corners(Record):
 
 @dataclass(frozen=True, kw_only=True)
 class FindCandidates:
-    """Keep the samples that bend by more than the threshold."""
+    """Keep the samples with more curvature than the threshold."""
 
     angle_deg: Annotated[float, Within(0, 180)] = 155.0
-    """Samples below this angle are candidates (rho > 1/155)."""
+    """Samples with a smaller angle are candidates (rho > 1/155)."""
 
     def __call__(self, path: BoundaryPath, curvature: Curvature) -> Candidates:
-        """Candidates in the order of the path; angles are compared, since 1/angle is infinite at a wall's tip."""
+        """Candidates in path order; angles are compared, since rho = 1/angle is infinite at the tip of a wall."""
         sharp = cosine(curvature) > math.cos(math.radians(self.angle_deg))
         sample = np.flatnonzero(sharp & (curvature.k_forward > 0)).astype(np.int32)
-        # eq. 6 with atan2: concave where b, f turn to the wall's side. Folded back, it is the path that tells.
+        # Eq. 6 with atan2: convex where f is to the right of b. Where the path folds back, the walker's turn decides.
         side = cross(curvature.backward[sample], curvature.forward[sample])
         convex = (side < 0) | ((side == 0) & path.turned_left[sample])
         return Candidates(
@@ -70,15 +70,15 @@ class FindCorners:
     """Keep the sharpest candidates of each kind within a window along the path."""
 
     window_m: Annotated[float, Within(0, 10)] = 0.25
-    """Window to either side where obstacle cells are sampled (paper), but never less than 1.42 cells."""
+    """Window to either side if samples are obstacle cells (paper); at least 1.42 cells."""
     crack_window_m: Annotated[float, Within(0, 10)] = 0.12
-    """The same where cracks are sampled, but never less than 1.2 cells."""
+    """Window to either side if samples are crack middles; at least 1.2 cells."""
 
     def __call__(self, path: BoundaryPath, curvature: Curvature, candidates: Candidates) -> Corners:
-        """Corners in the order of the path; one for each plateau of equal angle, at its middle.
+        """Corners in path order, one at the middle of each plateau of equal angle.
 
-        Where the middle falls between two obstacle cells of a convex plateau (the end of a wall two cells thick),
-        both cells are corners; a choice between them would not mirror with the map.
+        If the middle falls between two obstacle cells of a convex plateau (the end of a wall two cells thick), both
+        cells are corners; choosing one would not mirror with the map.
         """
         window_m = self.reach_m(path)
         peak = peaks(path, curvature, candidates, window_m)
@@ -97,26 +97,26 @@ class FindCorners:
         )
 
     def reach_m(self, path: BoundaryPath) -> float:
-        """The window on this path: at least one step, or the samples of a square corner would not see each other."""
+        """The window on this path; at least one step, so that the samples of a square corner are within it."""
         cell_m = path.frame.resolution_m
         return max(self.crack_window_m, 1.2 * cell_m) if path.on_cracks else max(self.window_m, 1.42 * cell_m)
 
 
 def cosine(curvature: Curvature) -> NDArray[np.float64]:
-    """Cosine (n,) of the angle between f and b; from whole numbers, so that equal bends give equal values."""
+    """Cosine (n,) of the angle between f and b; computed from integers, so that equal bends give equal values."""
     forward, backward = curvature.forward, curvature.backward
     size = np.sqrt(dot(forward, forward) * dot(backward, backward).astype(np.float64))
     return np.round(dot(forward, backward) / np.maximum(size, 1.0), 12)
 
 
 def gaps_m(path: BoundaryPath, one: NDArray[np.int32], other: NDArray[np.int32]) -> NDArray[np.float64]:
-    """Path length (k,) between samples of the same contour, the shorter way round."""
+    """Path length (k,) in metres between samples of the same contour, the shorter way round."""
     ahead_m = np.abs(path.arc_m[other] - path.arc_m[one])
     return np.minimum(ahead_m, path.length_m[path.contour[one]] - ahead_m)
 
 
 def next_on_contour(path: BoundaryPath, sample: NDArray[np.int32], ahead: int) -> NDArray[np.int64]:
-    """Index into `sample` (k,), sorted, of the element `ahead` places on, cyclically within its contour."""
+    """Index (k,) into `sample`, which is sorted, of the element `ahead` positions later, cyclically in its contour."""
     contour = path.contour[sample]
     count = np.bincount(contour, minlength=len(path.first))
     begin = np.cumsum(count) - count
@@ -125,28 +125,28 @@ def next_on_contour(path: BoundaryPath, sample: NDArray[np.int32], ahead: int) -
 
 
 def peaks(path: BoundaryPath, curvature: Curvature, candidates: Candidates, window_m: float) -> NDArray[np.bool_]:
-    """Candidates (k,) that no candidate of their kind within the window is sharper than."""
+    """Which candidates (k,) are peaks: no candidate of the same kind within the window is sharper."""
     sharpness = cosine(curvature)[candidates.sample]
     bend = candidates.convex & path.turned_left[candidates.sample] & (not path.on_cracks)
     peak = np.ones(len(sharpness), np.bool_)
     count = np.bincount(path.contour[candidates.sample])[path.contour[candidates.sample]]
-    # Candidates stand in the order of the path: once nobody has a neighbour so far ahead, nobody has one further on.
+    # Candidates are in path order: once none has a partner within the window `ahead` positions later, none has later.
     for ahead in range(1, count.max(initial=0)):
         partner = next_on_contour(path, candidates.sample, ahead)
         near = gaps_m(path, candidates.sample, candidates.sample[partner]) <= window_m + EPSILON
         near &= ahead < count
         if not near.any():
             break
-        rival = near & (candidates.convex == candidates.convex[partner]) & ~(bend & bend[partner])
-        peak[rival & (sharpness[partner] > sharpness)] = False
-        peak[partner[rival & (sharpness > sharpness[partner])]] = False
+        competing = near & (candidates.convex == candidates.convex[partner]) & ~(bend & bend[partner])
+        peak[competing & (sharpness[partner] > sharpness)] = False
+        peak[partner[competing & (sharpness > sharpness[partner])]] = False
     return peak
 
 
 def middles(
     path: BoundaryPath, sample: NDArray[np.int32], convex: NDArray[np.bool_], window_m: float
 ) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
-    """Middle samples (m,) of the plateaus that the peaks form, and their places (m, 2) in quarter cells."""
+    """The middle samples (m,) of the plateaus formed by the peaks, and their positions (m, 2) in quarter cells."""
     after = next_on_contour(path, sample, 1)
     linked = (gaps_m(path, sample, sample[after]) <= window_m + EPSILON) & (convex == convex[after])
     linked &= after != np.arange(len(sample))
@@ -155,7 +155,7 @@ def middles(
     closed = np.bincount(path.contour[sample[begins]], minlength=len(path.first)) == 0
     round_trip = closed[path.contour[sample]]
 
-    # A plateau may run over its contour's first sample: begin each contour's list at the beginning of a plateau.
+    # A plateau may contain its contour's first sample: start each contour's list at the beginning of a plateau.
     order = _from_a_beginning(path.contour[sample], begins)
     order = order[~round_trip[order]]
     plateau = np.cumsum(begins[order]) - 1
@@ -165,7 +165,7 @@ def middles(
     quarter = path.half[sample[low]] + path.half[sample[high]]
     two = convex[low] & (path.cell[sample[low]] != path.cell[sample[high]]).any(axis=1)
 
-    # A plateau that closes on itself (a pillar) has no middle: every obstacle cell of it is a corner.
+    # A plateau that is a whole contour (a pillar) has no middle: all its obstacle cells are corners.
     pillar = np.flatnonzero(round_trip)
     keys = np.column_stack([path.contour[sample[pillar]], path.cell[sample[pillar]]])
     pillar = pillar[np.unique(keys, axis=0, return_index=True)[1]]
@@ -174,14 +174,14 @@ def middles(
         [
             np.where(two[:, None], 2 * path.half[sample[low]], quarter),
             2 * path.half[sample[high[two]]],
-            4 * path.cell[sample[pillar]] + 2,  # its cracks are all alike, so its middle
+            4 * path.cell[sample[pillar]] + 2,  # the cell's centre, since its cracks are equivalent
         ]
     )
     return sample[chosen], places.astype(np.int32)
 
 
 def _from_a_beginning(group: NDArray[np.int32], begins: NDArray[np.bool_]) -> NDArray[np.intp]:
-    """Order (k,) that rotates each run of equal `group` so that it starts where `begins` is first set."""
+    """The order (k,) that rotates each run of equal `group` so that it starts where `begins` is first set."""
     count = np.bincount(group)
     start = np.cumsum(count) - count
     first = np.full(len(count), len(group))

@@ -18,7 +18,7 @@ EPSILON = 1e-9
 
 
 class Curvature(Record):
-    """How sharply the path bends at each sample of the boundary path."""
+    """The curvature at each sample of the boundary path."""
 
     topic: ClassVar[str] = "curvature"
 
@@ -32,23 +32,23 @@ class Curvature(Record):
     backward: Annotated[NDArray[np.int32], Spec("column", "sample 2", unit="half cells")]
     """b as (row, col), eq. 4."""
     angle_rad: Annotated[NDArray[np.float64], Spec("column", "sample", unit="rad", tolerance=1e-9)]
-    """Between f and b: pi on a straight wall, 0 at the tip of a thin one."""
+    """Angle between f and b: pi on a straight wall, 0 at the tip of a thin one."""
     rho_per_deg: Annotated[NDArray[np.float64], Spec("column", "sample", unit="1/deg", tolerance=1e-9)]
-    """Eq. 5: the angle's inverse, infinite at a tip."""
+    """Curvature, eq. 5: the inverse of the angle, infinite at a tip."""
     frame: Frame
 
 
 @dataclass(frozen=True, kw_only=True)
 class EstimateCurvature:
-    """Look as far along the path as it stays straight, in both directions, and take the angle between."""
+    """Measure the angle between the straight stretches of the path before and after each sample."""
 
     straightness: Annotated[float, Within(0, 1)] = 0.9
-    """U_k: how much of the path's length the straight distance must reach."""
+    """U_k: share of the path length that the straight distance must exceed."""
     reach_m: Annotated[float, Within(0, 100)] = 1.0
-    """Longest path looked along; without a limit far walls would bend into the estimate."""
+    """Longest stretch of the path; without a limit, distant walls would affect the estimate."""
 
     def __call__(self, path: BoundaryPath) -> Curvature:
-        """Angle and vectors at each sample; a contour of one sample does not bend."""
+        """Vectors and angle at each sample; the angle is pi on a contour of one sample."""
         k_forward, k_backward = self.neighbours(path)
         around = _Unrolled(path, 1 + int(max(k_forward.max(initial=0), k_backward.max(initial=0))))
         here = around.position[around.base]
@@ -70,9 +70,9 @@ class EstimateCurvature:
         )
 
     def neighbours(self, path: BoundaryPath) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
-        """K_f and K_b (n,): the largest K, over the whole range, with distance > U_k times path length (eq. 1, 2).
+        """K_f and K_b (n,): the largest K in the whole range with distance > U_k times path length (eq. 1, 2).
 
-        The pair (i, i + K) decides about K_f[i] and K_b[i + K] alike, so one loop over K serves both.
+        The pair (i, i + K) counts for both K_f[i] and K_b[i + K], so one loop over K computes both.
         """
         reach_half = 2 * self.reach_m / path.frame.resolution_m
         shortest_step = math.sqrt(2) if path.on_cracks else 2.0
@@ -92,7 +92,7 @@ class EstimateCurvature:
 
 
 class _Unrolled:
-    """Every contour with `reach` samples of itself before and after it, so that cyclic neighbours are slices."""
+    """The contours, each with `reach` of its samples repeated before and after it: cyclic offsets become slices."""
 
     def __init__(self, path: BoundaryPath, reach: int) -> None:
         count = np.diff(np.append(path.first, len(path.cell))).astype(np.int64)
@@ -107,18 +107,18 @@ class _Unrolled:
         self.straight = (straight[source] + wraps * contour_straight[of]).astype(np.int32)
         self.slant = (slant[source] + wraps * contour_slant[of]).astype(np.int32)
         self.most = (count // 2)[of]
-        """K may not go more than half around."""
+        """Largest K: half way around the contour."""
         self.base = np.arange(len(path.cell)) + reach * (1 + 2 * path.contour.astype(np.int64))
-        """Where each sample stands in the unrolled arrays."""
+        """The index of each sample in the unrolled arrays."""
 
 
 def dot(a: NDArray[np.int32], b: NDArray[np.int32]) -> NDArray[np.int64]:
-    """Dot products (n,) of rows (n, 2), exact."""
+    """Exact dot products (n,) of rows (n, 2)."""
     wide = a.astype(np.int64)
     return wide[:, 0] * b[:, 0] + wide[:, 1] * b[:, 1]
 
 
 def cross(a: NDArray[np.int32], b: NDArray[np.int32]) -> NDArray[np.int64]:
-    """Cross products (n,) of rows (n, 2) given as (row, col), with y up: positive where b lies to the left of a."""
+    """Exact cross products (n,) of rows (n, 2) as (row, col), with y up: positive if b is to the left of a."""
     wide = a.astype(np.int64)
     return wide[:, 1] * -b[:, 0] + wide[:, 0] * b[:, 1]

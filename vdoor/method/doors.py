@@ -1,4 +1,4 @@
-"""Section II.C: virtual doors, wherever a corner faces another one or a wall nearby."""
+"""Section II.C: virtual doors between two convex corners, or from one to the closest boundary."""
 
 from __future__ import annotations
 
@@ -30,44 +30,44 @@ PROPOSED = VERDICTS.index("proposed")
 
 
 class VirtualDoors(Record):
-    """Segments between obstacle cells that may be doors; the rejected ones say why."""
+    """Segments between obstacle cells that may be doors; `verdict` is why some are rejected."""
 
     topic: ClassVar[str] = "doors"
 
     start: Annotated[NDArray[np.int32], Spec("cell", "door 2")]
-    """The convex corner's obstacle cell."""
+    """The obstacle cell of the convex corner."""
     end: Annotated[NDArray[np.int32], Spec("column", "door 2", unit="cells")]
-    """The other corner's, or the closest boundary's."""
+    """The obstacle cell of the other corner, or of the closest boundary."""
     kind: Annotated[NDArray[np.uint8], Spec("code", "door", words=KINDS)]
     verdict: Annotated[NDArray[np.uint8], Spec("code", "door", words=VERDICTS)]
     corner_start: Annotated[NDArray[np.int32], Spec("column", "door", of="corners.sample")]
     corner_end: Annotated[NDArray[np.int32], Spec("column", "door", of="corners.sample", or_none=True)]
-    """The other corner, -1 where the door ends on a plain boundary."""
+    """The other corner, -1 if the door ends at a boundary without a corner."""
     length_m: Annotated[NDArray[np.float64], Spec("column", "door", unit="m", tolerance=1e-9)]
-    """Between the end cells' centres; what the paper's 1.2 m limits."""
+    """Distance between the end cells' centres, to which the paper's 1.2 m applies."""
     width_m: Annotated[NDArray[np.float64], Spec("column", "door", unit="m", tolerance=1e-9)]
-    """The free gap between the end cells."""
+    """Width of the free gap between the end cells."""
     tilt_rad: Annotated[NDArray[np.float64], Spec("column", "door", unit="rad", tolerance=1e-9)]
-    """Angle to the nearer of the grid's axes, 0 to pi/4."""
+    """Angle to the nearer axis of the grid, 0 to pi/4."""
     line_cell: Annotated[NDArray[np.int32], Spec("cell", "line 2")]
-    """The free cells that proposed doors lie on, 8-connected, door after door."""
+    """The free cells of proposed doors, 8-connected, door after door."""
     line_door: Annotated[NDArray[np.int32], Spec("column", "line", of="doors.start")]
     frame: Frame
 
 
 @dataclass(frozen=True, kw_only=True)
 class ProposeDoors:
-    """Join convex corners that face each other, and single ones to the closest boundary."""
+    """Join convex corners close to each other, and the remaining ones to the closest boundary."""
 
     max_length_m: Annotated[float, Within(0, 20)] = 1.2
     """Longest door, between the centres of its end cells."""
     pair_detour: Annotated[float, Within(0, 100)] = 1.5
-    """Two corners of one contour make a door only if the path between them is so many times longer than the door."""
+    """A door between two corners of one contour requires a path between them longer than this times the door."""
     single_detour: Annotated[float, Within(0, 100)] = 3.0
-    """The same for a corner and a boundary."""
+    """The same factor for a door between a corner and a boundary."""
 
     def __call__(self, simplified: SimplifiedGrid, path: BoundaryPath, corners: Corners) -> VirtualDoors:
-        """Pairs first, then single corners, each sorted; crossing doors stay, equal ones are kept once."""
+        """Pairs first, then single corners, each sorted; crossing doors are kept, of equal ones only the first."""
         free = simplified.cells == FREE
         convex = np.flatnonzero(corners.convex).astype(np.int32)
         pairs = self._pairs(free, path, corners, convex)
@@ -77,7 +77,7 @@ class ProposeDoors:
         return measured(free, found, path.frame)
 
     def _pairs(self, free: Mask, path: BoundaryPath, corners: Corners, convex: Ints) -> DoorCandidates:
-        """All pairs of convex corners within reach, each with its verdict."""
+        """All pairs of convex corners within reach, with their verdicts."""
         both = pairs_within(corners, convex, self._reach(path))
         start, end = corners.cell[both[:, 0]], corners.cell[both[:, 1]]
         verdict = np.full(len(both), PROPOSED, np.uint8)
@@ -89,7 +89,7 @@ class ProposeDoors:
         return DoorCandidates(start, end, np.zeros(len(both), np.uint8), verdict, both)
 
     def _singles(self, free: Mask, path: BoundaryPath, corners: Corners, alone: Ints) -> DoorCandidates:
-        """For each corner its closest visible boundary, all of them at a tie; if none is visible, the closest hidden.
+        """Each corner with its closest visible boundary cell (all at a tie) or, if none is visible, the closest hidden.
 
         The boundary next to the corner is its own wall and does not count.
         """
@@ -108,9 +108,10 @@ class ProposeDoors:
         )
 
     def _boundaries(self, path: BoundaryPath, corners: Corners, alone: Ints) -> tuple[Ints, Ints, NDArray[np.int64]]:
-        """Corners `alone` with every boundary cell in reach that is not their own wall, and squared distance in cells.
+        """Corners `alone`, each with all boundary samples within reach, and their squared distances in cells.
 
-        Sorted by corner and cell. A cell that any of its samples ties to the corner's own wall does not count.
+        One sample per cell, sorted by corner and cell. A cell is left out if any of its samples is on the corner's own
+        wall.
         """
         tree, boundary = cKDTree(corners.cell[alone]), cKDTree(path.cell)
         if not len(alone):
@@ -120,7 +121,7 @@ class ProposeDoors:
         start, end = corners.cell[corner], path.cell[sample]
         own = same_wall(path, corners.sample[corner], sample, self.single_detour)
         own |= np.abs(end - start).max(axis=1) <= 1
-        # one entry a cell: own walls first, so that one own sample speaks for its cell
+        # one entry per cell; samples on the own wall come first, so that one of them excludes its cell
         cell = end[:, 0].astype(np.int64) * (path.frame.width + 2) + end[:, 1]  # columns -1 to width
         order = np.lexsort((~own, cell, corner))
         key = np.stack([corner[order], cell[order]])
@@ -130,19 +131,19 @@ class ProposeDoors:
         return corner[kept], sample[kept], (span * span).sum(axis=1)
 
     def _reach(self, path: BoundaryPath) -> float:
-        """Longest door in cells."""
+        """The length of the longest door in cells."""
         return self.max_length_m / path.frame.resolution_m + EPSILON
 
 
 def same_wall(path: BoundaryPath, one: Ints, other: Ints, detour: float) -> Mask:
-    """Whether the path between two samples is so short that their segment only cuts along one wall."""
+    """Whether the path between two samples (k,) is so short that the segment between them only runs along one wall."""
     length_m = np.hypot(*(path.cell[other] - path.cell[one]).T) * path.frame.resolution_m
     common = path.contour[one] == path.contour[other]
     return np.asarray(common & (gaps_m(path, one, other) <= detour * length_m + EPSILON))
 
 
 class DoorCandidates(NamedTuple):
-    """Segments found, before they are measured."""
+    """The columns of virtual doors, before these are measured."""
 
     start: Ints
     end: Ints
@@ -151,13 +152,13 @@ class DoorCandidates(NamedTuple):
     corners: Ints
 
     def followed_by(self, other: DoorCandidates) -> DoorCandidates:
-        """Both lists, one after the other."""
+        """The rows of both, this one's first."""
         columns: Iterator[tuple[Any, Any]] = zip(self, other, strict=True)
         return DoorCandidates(*map(np.concatenate, columns))
 
 
 def measured(free: Mask, found: DoorCandidates, frame: Frame) -> VirtualDoors:
-    """The record of segments found: equal proposed ones are kept once, and those that stay have their cells."""
+    """The record of the virtual doors, with measures, duplicates marked, and the cells of the proposed ones."""
     verdict = without_duplicates(found)
     proposed = np.flatnonzero(verdict == PROPOSED)
     _, line_cell, owner = lines_between(free, found.start[proposed], found.end[proposed])
@@ -179,7 +180,7 @@ def measured(free: Mask, found: DoorCandidates, frame: Frame) -> VirtualDoors:
 
 
 def pairs_within(corners: Corners, among: Ints, reach: float) -> Ints:
-    """Pairs (k, 2) of some corners at most `reach` cells apart, the lower first, sorted."""
+    """Pairs (k, 2) of the corners `among` at most `reach` cells apart, the lower first, sorted."""
     place = corners.cell[among]
     near = cKDTree(place).query_pairs(reach, output_type="ndarray") if len(place) else np.zeros((0, 2))
     both = among[np.sort(near, axis=1).astype(np.intp)].reshape(-1, 2)
@@ -187,7 +188,7 @@ def pairs_within(corners: Corners, among: Ints, reach: float) -> Ints:
 
 
 def without_duplicates(found: DoorCandidates) -> NDArray[np.uint8]:
-    """The verdicts (k,), all but the first of proposed segments with equal end points turned to duplicates."""
+    """The verdicts (k,), with all but the first of proposed segments with equal ends changed to duplicate."""
     proposed = np.flatnonzero(found.verdict == PROPOSED)
     start, end = found.start[proposed], found.end[proposed]
     swap = (start[:, 0] > end[:, 0]) | ((start[:, 0] == end[:, 0]) & (start[:, 1] > end[:, 1]))
@@ -199,7 +200,7 @@ def without_duplicates(found: DoorCandidates) -> NDArray[np.uint8]:
 
 
 def measures(start: Ints, end: Ints, cell_m: float) -> tuple[Floats, Floats, Floats]:
-    """Length between centres, free gap and angle to the nearer axis of segments (k,) between cells."""
+    """Length between the centres in m, free gap in m, and angle to the nearer axis in rad, of segments (k,)."""
     span = np.abs(end - start)
     long, short = span.max(axis=1), span.min(axis=1)
     length = np.hypot(long, short)

@@ -1,4 +1,4 @@
-"""The doors of the final map: kept edges, and openings too narrow for the working resolution."""
+"""The doors of the final map: kept edges, and passages too narrow for the working resolution."""
 
 from __future__ import annotations
 
@@ -34,13 +34,13 @@ class Doors(NamedTuple):
     room_b: Ints
 
     def followed_by(self, other: Doors) -> Doors:
-        """Both lists, one after the other."""
+        """The rows of both, this one's first."""
         columns: Iterator[tuple[Any, Any]] = zip(self, other, strict=True)
         return Doors(*map(np.concatenate, columns))
 
 
 def door_rows(initial: InitialMap, rows: list[tuple[int, int, int]], number: Ints) -> Doors:
-    """The doors of rows of edge and two rooms; `number` says what each room is called."""
+    """The doors of rows (edge, room, room); `number` maps these rooms to the final ids, 0 for rooms that are gone."""
     edge, a, b = np.array(rows, np.int32).reshape(-1, 3).T
     room_a, room_b = np.sort([number[a], number[b]], axis=0)
     real = room_a > 0
@@ -59,11 +59,11 @@ def door_rows(initial: InitialMap, rows: list[tuple[int, int, int]], number: Int
 
 
 def matched_to_contacts(labels: Ints, doors: Doors, simplified: SimplifiedGrid, frame: Frame) -> Doors:
-    """The doors at which their rooms touch, and a passage for every contact that no door explains.
+    """The doors at which their rooms touch, and a passage for each piece of contact without a door.
 
-    Passages are openings of the input too narrow for the working resolution. A door where the rooms do not touch
-    within a working cell lies on cells that only flattening made free: it goes, and what contact there is nearby is a
-    passage.
+    A passage is an opening of the input that is too narrow for the working resolution. A door is dropped if its rooms
+    do not touch within a working cell of it: it is on cells that only flattening made free. Contacts nearby become
+    passages.
     """
     place, pair = contacts(labels)
     cell_m = simplified.frame.resolution_m
@@ -84,7 +84,7 @@ def matched_to_contacts(labels: Ints, doors: Doors, simplified: SimplifiedGrid, 
 
 
 def passages_at(place: Floats, pair: Ints, frame: Frame) -> Doors:
-    """One door for each piece of contacts (k, 2) as row, col between the same two rooms."""
+    """A passage for each connected piece of contacts (k, 2), as row, col, between the same two rooms."""
     start, end, rooms = [], [], []
     for contact in _pieces(place, pair):
         one = _farthest(place[contact], place[contact[0]])
@@ -110,10 +110,10 @@ def passages_at(place: Floats, pair: Ints, frame: Frame) -> Doors:
 
 
 def doors_along(start: Floats, end: Floats, place: Floats, pair: Ints, frame: Frame) -> Doors:
-    """One door along a line for each piece of contacts (k, 2) beside it; the line and contacts as row, col.
+    """A door along a line for each connected piece of contacts (k, 2) beside it; the line and contacts as row, col.
 
-    Doors have the line's direction and lie in the middle of their contacts, which are on one side of its cells. What
-    contacts are more than a cell away from them, as in a nook that the line cuts off, have doors of their own.
+    The doors have the line's direction and are in the middle of their contacts. Contacts more than a cell away from
+    that, as in a nook cut off by the line, get doors of their own.
     """
     doors = passages_at(place, pair, frame)
     way = (end - start) / max(float(np.hypot(*(end - start))), 1e-9)
@@ -138,19 +138,19 @@ def doors_along(start: Floats, end: Floats, place: Floats, pair: Ints, frame: Fr
 
 
 def _farthest(place: Floats, point: Floats) -> Floats:
-    """The place (2,) of (k, 2) that is farthest from a point."""
+    """The one (2,) of the points (k, 2) that is farthest from `point`."""
     return np.asarray(place[np.argmax(np.hypot(*(place - point).T))])
 
 
 def to_segment_m(point_m: Floats, start_m: Floats, end_m: Floats) -> Floats:
-    """Distance (k,) of points (k, 2) to a segment."""
+    """Distances (k,) in metres of points (k, 2) to a segment."""
     along = end_m - start_m
     share = np.clip((point_m - start_m) @ along / max(float(along @ along), 1e-12), 0, 1)
     return np.asarray(np.hypot(*(point_m - start_m - share[:, None] * along).T))
 
 
 def _pieces(place: Floats, pair: Ints) -> list[NDArray[np.intp]]:
-    """Indices of contacts between the same two rooms that hang together, piece by piece."""
+    """The indices of contacts, for each connected piece between the same two rooms."""
     if not len(place):
         return []
     links = cKDTree(place).query_pairs(1.0, output_type="ndarray")

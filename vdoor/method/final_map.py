@@ -1,4 +1,4 @@
-"""The final topological map: the rooms that remain when the removed doors are opened."""
+"""The final topological map: the rooms that remain when the removed edges are opened."""
 
 from __future__ import annotations
 
@@ -29,11 +29,11 @@ Ints = NDArray[np.int32]
 
 @dataclass(frozen=True, kw_only=True)
 class MergeRooms:
-    """Open the removed doors and carry the rooms that remain to the input's resolution."""
+    """Open the removed doors and transfer the remaining rooms to the input's resolution."""
 
     passages: bool = True
-    """Rooms that touch where the simplified grid has no opening have a passage there, too narrow for the working
-    resolution (paper); false: no robot fits through, so it is no door, and what lies behind it belongs to one room."""
+    """Add a passage where rooms touch through an opening that is too narrow for the working resolution (paper); false:
+    no robot fits through, so there is no door, and the space behind the opening is assigned to one room."""
 
     def __call__(
         self,
@@ -43,7 +43,7 @@ class MergeRooms:
         best: Generation,
         problem: MergeProblem,
     ) -> TopologicalMap:
-        """Rooms and doors; kept doors that separate nothing are dropped, where the search did not do that itself."""
+        """Rooms and doors; kept doors that separate nothing are dropped, unless the search already removed them."""
         room_of_piece, rows = merged(problem, best.removed)
         working = np.append(0, room_of_piece)[initial.piece]
         labels = whole(at_input(working, simplified.factor, grid.free))
@@ -67,14 +67,14 @@ class MergeRooms:
 
 
 def merged(problem: MergeProblem, removed: Bits) -> tuple[Ints, list[tuple[int, int, int]]]:
-    """Room (pieces,) of every piece, 1 and up, 0 on closed doors; and rows of edge and two rooms, the lower first.
+    """The room (pieces,) of every piece, from 1, 0 on closed doors; and rows (edge, room, room), the lower room first.
 
-    A kept door that joins no two rooms when it is opened separates nothing and is dropped: of two doors with nothing
-    between them the less likely goes where doors have scores, else the more tilted, then the longer one.
+    A kept door that joins no two rooms when opened separates nothing and is dropped. Of two doors with nothing between
+    them, the less likely one is dropped if doors have scores, otherwise the more tilted, then the longer one.
     """
     state = FlipState(problem, np.flatnonzero(removed).tolist())
     state.open_idle()
-    # Asked again, since a dropped door may have been all that kept another from joining a third room.
+    # Checked again, since dropping a door may have given another one a third room to join.
     pairs = [
         (edge, one, other)
         for edge in range(problem.edges)
@@ -93,7 +93,7 @@ def merged(problem: MergeProblem, removed: Bits) -> tuple[Ints, list[tuple[int, 
 
 
 class Features(NamedTuple):
-    """The corner feature columns of the map."""
+    """The corner columns of the map."""
 
     room: Ints
     corner: Ints
@@ -102,7 +102,7 @@ class Features(NamedTuple):
 
     @classmethod
     def none(cls) -> Features:
-        """Of a map that knows none."""
+        """The columns of a map without corners."""
         rows = np.zeros(0, np.int32)
         return cls(rows, rows, np.zeros(0, np.bool_), np.zeros((0, 2)))
 
@@ -110,16 +110,16 @@ class Features(NamedTuple):
 def map_of(
     labels: Ints, frame: Frame, doors: Doors, features: Features, names: Mapping[int, str] | None = None
 ) -> TopologicalMap:
-    """The map of rooms (h, w) by their ids, whatever these are; `names` by id, of those rooms that have one."""
+    """The topological map of room ids (h, w), which need not be consecutive; `names` by id, for rooms that have one."""
     ids, rank = ranked(labels)
     vertex, vertex_room, vertex_ring = polygons(labels)
     cells = runs_of(rank).cells(len(ids))
-    called = tuple((names or {}).get(room, "") for room in ids.tolist())
+    all_names = tuple((names or {}).get(room, "") for room in ids.tolist())
     return TopologicalMap(
         labels=labels,
         centre=centres(rank, len(ids)),
         area_m2=cells.astype(np.float64) * frame.resolution_m**2,
-        name=called if any(called) else (),
+        name=all_names if any(all_names) else (),
         **doors._asdict(),
         feature_room=features.room,
         feature_corner=features.corner,
@@ -133,7 +133,7 @@ def map_of(
 
 
 def ranked(labels: Ints) -> tuple[Ints, Ints]:
-    """The labels there are but 0, rising; and each cell's place (h, w) among them, from 1 on, 0 where it has none."""
+    """The labels in use except 0, ascending, and the rank (h, w) of each cell's label among them, from 1; 0 stays 0."""
     ids = np.unique(runs_of(labels).label)
     if len(ids) == ids.max(initial=0):
         return ids, labels

@@ -1,4 +1,4 @@
-"""The initial topological map: what the virtual doors divide the free space into (end of section II.C)."""
+"""The initial topological map: the free space divided by all virtual doors (end of section II.C)."""
 
 from __future__ import annotations
 
@@ -27,66 +27,66 @@ Mask = NDArray[np.bool_]
 
 
 IDLE = ("parts nothing", "not in the input")
-"""A door borders fewer than two regions of the simplified grid, or fewer than two that the input shows as well."""
+"""Why a proposed door is not an edge: it borders fewer than two regions of the simplified grid, or of the input."""
 
 
 class InitialMap(Record):
-    """Rooms as nodes and virtual doors as edges, before the search; ids of regions and doors start at 0 here.
+    """Regions as nodes and virtual doors as edges, before the search; their ids start at 0.
 
-    Free cells fall into pieces: regions between the doors, and atoms, groups of door cells that lie on the same set
-    of doors and so open together. Piece p has label p + 1 in `piece`; the regions come first.
+    Free cells are divided into pieces: regions between the doors, and atoms, groups of door cells that are on the same
+    set of doors and therefore open together. Piece p has label p + 1 in `piece`; the regions come first.
     """
 
     topic: ClassVar[str] = "initial_map"
 
     piece: Annotated[NDArray[np.int32], Spec("labels", "height width")]
     centre: Annotated[NDArray[np.int32], Spec("cell", "region 2")]
-    """The region's own cell nearest to its mean."""
+    """The cell of the region nearest to the mean of its cells."""
     area_m2: Annotated[NDArray[np.float64], Spec("column", "region", unit="m2", tolerance=1e-9)]
     start: Annotated[NDArray[np.int32], Spec("cell", "edge 2")]
     end: Annotated[NDArray[np.int32], Spec("column", "edge 2", unit="cells")]
     door: Annotated[NDArray[np.int32], Spec("column", "edge", of="doors.start")]
-    """Row in `VirtualDoors`; doors that border fewer than two regions are no edges (see `idle_door`)."""
+    """Row in `VirtualDoors`; doors that border fewer than two regions are not edges (see `idle_door`)."""
     kind: Annotated[NDArray[np.uint8], Spec("code", "edge", words=KINDS)]
     length_m: Annotated[NDArray[np.float64], Spec("column", "edge", unit="m", tolerance=1e-9)]
     width_m: Annotated[NDArray[np.float64], Spec("column", "edge", unit="m", tolerance=1e-9)]
     tilt_rad: Annotated[NDArray[np.float64], Spec("column", "edge", unit="rad", tolerance=1e-9)]
     idle_door: Annotated[NDArray[np.int32], Spec("column", "idle", of="doors.start")]
-    """Proposed doors that are no edges; see `idle_reason`."""
+    """Proposed doors that are not edges; see `idle_reason`."""
     idle_reason: Annotated[tuple[str, ...], Spec("text", "idle")] = ()
-    """Which regions are meant, one of `IDLE` a door; none at all where only the simplified grid is asked (paper)."""
+    """One of `IDLE` per idle door; empty if only the simplified grid is checked (paper)."""
     border_edge: Annotated[NDArray[np.int32], Spec("column", "border", of="initial_map.door")]
     border_region: Annotated[NDArray[np.int32], Spec("column", "border", of="initial_map.area_m2")]
-    """Which regions each edge borders, sorted."""
+    """The regions that each edge borders, sorted."""
     atom_area_m2: Annotated[NDArray[np.float64], Spec("column", "atom", unit="m2", tolerance=1e-9)]
     cover_atom: Annotated[NDArray[np.int32], Spec("column", "cover", of="initial_map.atom_area_m2")]
     cover_edge: Annotated[NDArray[np.int32], Spec("column", "cover", of="initial_map.door")]
-    """Which edges must all be removed to open each atom, sorted."""
+    """The edges that must all be removed to open each atom, sorted."""
     touch_a: Annotated[NDArray[np.int32], Spec("column", "touch")]
     touch_b: Annotated[NDArray[np.int32], Spec("column", "touch")]
     """4-adjacent pieces, a < b, sorted; b is always an atom."""
     feature_region: Annotated[NDArray[np.int32], Spec("column", "feature")]
     feature_corner: Annotated[NDArray[np.int32], Spec("column", "feature")]
-    """Which corners form the boundary of each region, sorted."""
+    """The corners on the boundary of each region, sorted."""
     feature_convex: Annotated[NDArray[np.bool_], Spec("column", "feature")]
     feature_cell: Annotated[NDArray[np.int32], Spec("cell", "feature 2")]
     """The corner's obstacle cell."""
     vertex: Annotated[NDArray[np.int32], Spec("column", "vertex 2", unit="cell edges")]
-    """Polygons with holes: (row, col) is the upper left corner of that cell; each ring closed by its first vertex."""
+    """Polygons with holes: (row, col) is the upper left corner of that cell; each ring ends with its first vertex."""
     vertex_region: Annotated[NDArray[np.int32], Spec("column", "vertex")]
     vertex_ring: Annotated[NDArray[np.int32], Spec("column", "vertex")]
-    """Ring within the region: 0 is the outer one, then its holes."""
+    """Ring number within the region: 0 for the outer one, then the holes."""
     frame: Frame
 
 
 @dataclass(frozen=True, kw_only=True)
 class DivideRooms:
-    """Cut the free space along all proposed doors and keep exact books of what opens when a door is removed."""
+    """Cut the free space along all proposed doors, and track exactly which cells open when a door is removed."""
 
     feature_samples: Annotated[int, Within(0, 1_000)] = 2
-    """A corner belongs to the regions the walker stands in up to so many samples before and after it."""
+    """A corner belongs to the regions that the walker is in, from this many samples before to as many after it."""
     in_input: bool = False
-    """Leave out doors that lead only to where obstacles were removed; false: the final map loses them (paper)."""
+    """Leave out doors that lead only to where obstacles were removed; false: the final map drops them (paper)."""
 
     def __call__(
         self,
@@ -96,7 +96,7 @@ class DivideRooms:
         doors: VirtualDoors,
         scores: DoorScores | None = None,
     ) -> InitialMap:
-        """Regions are 4-connected; doors that border fewer than two regions, or are not likely, are left out."""
+        """The initial map, with 4-connected regions, without unlikely doors and those that border fewer than two."""
         free = simplified.cells == FREE
         proposed = np.flatnonzero(doors.verdict == PROPOSED).astype(np.int32)
         if scores is not None:
@@ -104,11 +104,11 @@ class DivideRooms:
         idle = self._idle(cut(free, doors, proposed), len(proposed))
         edges, left_out = proposed[~idle], proposed[~idle][:0]
         if self.in_input:
-            # Without scores the longer doors go first.
+            # Without scores, longer doors are dropped first.
             worth = -doors.length_m if scores is None else np.zeros(len(doors.verdict))
             if scores is not None:
                 worth[scores.door] = scores.log_odds
-            edges = edges[shown(free, simplified.reason == 0, doors, edges, worth[edges])]
+            edges = edges[separating_in_input(free, simplified.reason == 0, doors, edges, worth[edges])]
             left_out = np.setdiff1d(proposed[~idle], edges)
         pieces = cut(free, doors, edges)
         border = borders(pieces, len(edges))
@@ -146,11 +146,11 @@ class DivideRooms:
         )
 
     def _idle(self, pieces: Pieces, edges: int) -> Mask:
-        """Edges (k,) with fewer than two regions around them, crossing and touching doors looked through."""
+        """Which edges (k,) border fewer than two regions, also counting those beyond crossing and touching doors."""
         return np.bincount(borders(pieces, edges)[:, 0], minlength=edges) < 2  # noqa: PLR2004  # two sides
 
     def _features(self, pieces: Pieces, path: BoundaryPath, corners: Corners) -> Ints:
-        """Rows (k, 2) of region and corner, sorted."""
+        """Rows (k, 2) of each region and the corners on its boundary, sorted."""
         found = []
         count = np.diff(np.append(path.first, len(path.cell)))
         for ahead in range(-self.feature_samples, self.feature_samples + 1):
@@ -163,11 +163,11 @@ class DivideRooms:
         return np.unique(np.concatenate(found).astype(np.int32), axis=0)
 
 
-def shown(free: Mask, as_read: Mask, doors: VirtualDoors, edges: Ints, worth: Floats) -> Mask:
-    """Which edges (k,) lead from one region to another in the input as well: where free cells are `as_read`.
+def separating_in_input(free: Mask, as_read: Mask, doors: VirtualDoors, edges: Ints, worth: Floats) -> Mask:
+    """Which edges (k,) separate two regions in the input as well, that is, in the free cells that are `as_read`.
 
-    Of each region the largest part that the input shows counts: it is what the final map calls the room. Edges go one
-    by one, those of least `worth` (k,) first, since with each of them two regions become one.
+    Of each region, only its largest part in the input counts, which becomes the room of the final map. Edges that do
+    not separate are dropped one by one in each place, that of least `worth` (k,) first, as this merges two regions.
     """
     kept = np.ones(len(edges), np.bool_)
     seen = free & as_read
@@ -190,7 +190,7 @@ def shown(free: Mask, as_read: Mask, doors: VirtualDoors, edges: Ints, worth: Fl
 
 
 def main_parts(both: Pieces, own: Pieces) -> Ints:
-    """The region of `both` (regions,) that each region of `own` is the largest part of, -1 for lesser parts."""
+    """For each region (regions,) of `own`, the region of `both` whose largest part it is; -1 for smaller parts."""
     first = np.unique(own.label, return_index=True)
     place = np.zeros(own.regions, np.intp)
     inside = (first[0] > 0) & (first[0] <= own.regions)

@@ -1,4 +1,4 @@
-"""Section II.A: the grid without what the robot cannot reach and without juts."""
+"""Section II.A: the grid without cells that the robot cannot reach, and without juts."""
 
 from __future__ import annotations
 
@@ -23,29 +23,34 @@ from vdoor.record import Record, Spec
 Mask = NDArray[np.bool_]
 
 ROBOT_REACH_M = 0.5
+"""Largest distance between the robot's position and the nearest free cell."""
 THIN_LONG_M = 1.0
+"""Largest length of a thin unknown line that becomes free."""
 PART_WIDTH_M = 1.2
+"""Side of the square that must fit into a free part for it to be kept beside the largest."""
 SURE_SHARE = 0.7
+"""Smallest share of free cells around a thin unknown cell that becomes free."""
 CHANNEL_LONG_M = 0.4
+"""A channel is longer than this."""
 DASH_THICK_M, DASH_LONG_M = 0.3, 0.25
-"""A wall drawn in dashes is no thicker, and one of two dashes in line is at least so long."""
+"""Largest thickness of a wall drawn in dashes, and smallest length of one of two dashes in line."""
 SPACE_M2 = 0.2
-"""Less free space than this, in a corner behind a bin, is none that a robot could be kept apart from."""
+"""Smallest area of a space that counts as separate; a corner behind a bin is less."""
 EPSILON = 1e-9
 AROUND = ((0, 0), (0, 1), (0, 2), (1, 0), (1, 2), (2, 0), (2, 1), (2, 2))
 REASONS = ("as it was", "unreachable", "jut", "notch", "island", "thin unknown", "slit")
 
 
 class SimplifiedGrid(Record):
-    """The grid at the working resolution: free is what can be reached, all that it does not touch is unknown."""
+    """The grid at the working resolution: free cells are reachable, and cells that do not touch them are unknown."""
 
     topic: ClassVar[str] = "simplified"
 
     cells: Annotated[NDArray[np.int8], Spec("occupancy", "height width")]
     reason: Annotated[NDArray[np.uint8], Spec("codes", "height width", words=REASONS)]
-    """Why a cell is not what resampling made it."""
+    """Why a cell differs from the resampled input."""
     factor: Annotated[int, Spec("count")]
-    """Input cells along one side of a working cell."""
+    """Number of input cells along one side of a working cell."""
     frame: Frame
 
 
@@ -54,38 +59,38 @@ class SimplifyGrid:
     """Resample, keep what the robot can reach, drop small islands, flatten juts and notches."""
 
     cell_m: Annotated[float, Within(0, 10)] = 0.20
-    """Working resolution; 0 = the map's own. The nearest whole multiple of the map's cell is taken."""
+    """Working resolution, rounded to a whole multiple of the map's cell size; 0 = the map's own."""
     robot_m: tuple[float, ...] = ()
-    """Where the robot is (x, y in the map frame); without it the largest free component is taken as reachable."""
+    """Position of the robot (x, y in the map frame); if empty, the largest free component is reachable."""
     jut_m: Annotated[float, Within(0, 1)] = 0.15
-    """Longest run that counts as a jut or notch; at least one cell."""
+    """Longest run of cells that counts as a jut or notch; at least one cell."""
     passes: Annotated[int, Within(0, 100)] = 3
-    """Flattening is repeated at most so often."""
+    """Maximum number of flattening passes."""
     max_island_m: Annotated[float, Within(0, 100)] = 0.0
-    """Obstacles standing free whose bounding box is at most this long are removed; 0 keeps all (paper)."""
+    """Free-standing obstacles whose bounding box is at most this long are removed; 0 keeps all (paper)."""
     thin_unknown_m: Annotated[float, Within(0, 1)] = 0.0
     """Unknown lines up to this thick with free space around them become free; 0 keeps them (paper)."""
     slit_m: Annotated[float, Within(0, 1)] = 0.0
-    """Free space up to this wide is closed: hollow walls, cracks in them, single rays; 0 keeps it (paper)."""
+    """Free space up to this wide is closed: hollow walls, cracks in walls, single rays; 0 keeps it (paper)."""
     channel_m: Annotated[float, Within(0, 1)] = 0.0
-    """So is space up to this wide that goes on for more than 0.4 m, where no robot fits through; 0 keeps it (paper)."""
+    """Free space up to this wide and over 0.4 m long is closed, since no robot fits through; 0 keeps it (paper)."""
     gap_m: Annotated[float, Within(0, 1)] = 0.0
-    """Gaps up to this wide are closed, since no robot fits through. Islands and thin unknown lines go only where this
-    opens no way between spaces that are apart with such gaps closed. Less than a cell: no gap is closed, and all of
-    them go (paper)."""
+    """Gaps up to this wide are closed, since no robot fits through. Islands and thin unknown lines are then removed
+    only if that connects no spaces that are separate with such gaps closed. Less than a cell: no gap is closed, and all
+    of them are removed (paper)."""
     around_m: Annotated[float, Within(0, 10)] = 1.0
-    """Spaces on two sides of an obstacle are apart where no way leads around it within this distance of it."""
+    """The spaces on two sides of an obstacle are separate if no way leads around it within this distance."""
     least_part_m2: Annotated[float, Within(0, 1e6)] = 0.0
-    """Free parts of at least this area, with room for 1.2 m by 1.2 m, are kept beside the largest, unless the robot's
-    place is given; 0 = only one (paper)."""
+    """Free parts of at least this area that fit a square of 1.2 m are kept beside the largest, unless the robot's
+    position is given; 0 keeps only one (paper)."""
 
     def __post_init__(self) -> None:
-        """Refuse a place that is not x and y."""
+        """Raise SettingError for a position that is not x and y."""
         if len(self.robot_m) not in (0, 2):
             raise SettingError(f"simplify.robot_m: wanted x and y, or none, found {list(self.robot_m)}")
 
     def __call__(self, grid: OccupancyGrid) -> SimplifiedGrid:
-        """Simplify `grid`; MapError where it has no free cell or the robot stands nowhere."""
+        """The simplified grid; raises MapError if no cell is free, or none is near the robot's position."""
         factor = max(1, round(self.cell_m / grid.frame.resolution_m))
         frame = working_frame(grid.frame, factor)
         before = resampled(grid, factor)
@@ -116,7 +121,7 @@ class SimplifyGrid:
         return SimplifiedGrid(cells=cells, reason=reason, factor=factor, frame=frame)
 
     def _without_furniture(self, free: Mask, thin: Mask, reason: NDArray[np.uint8], frame: Frame) -> Mask:
-        """The free cells, `thin` unknown ones among them, with small islands removed; but walls in pieces stay."""
+        """The free cells, including `thin` unknown ones, with small islands removed, except pieces of walls."""
         islands = np.zeros_like(free)
         gap = cells_in(self.gap_m, frame)
         if self.max_island_m > 0:
@@ -134,7 +139,7 @@ class SimplifyGrid:
                 around=cells_in(self.around_m, frame),
                 least=SPACE_M2 / frame.resolution_m**2,
             )
-            # What lay behind a thin line that stays is out of reach now.
+            # Space behind a thin line that is kept is no longer reachable.
             free = self._reachable(known | goes, frame)
             reason[known & ~free] = REASONS.index("unreachable")
             islands, thin = islands & free, thin & free
@@ -143,13 +148,13 @@ class SimplifyGrid:
         return free | islands
 
     def _without_slits(self, free: Mask, reason: NDArray[np.uint8], frame: Frame) -> Mask:
-        """The free cells that are left without the narrow ones, and can be reached so; all, where these are all."""
+        """The free cells that remain reachable with slits and channels closed."""
         slit, channel = (cells_in(width_m, frame) for width_m in (self.slit_m, self.channel_m))
         narrow = narrower(free, slit) | long_pieces(narrower(free, channel), CHANNEL_LONG_M / frame.resolution_m)
         return self._closed(free, narrow, reason, frame)
 
     def _closed(self, free: Mask, narrow: Mask, reason: NDArray[np.uint8], frame: Frame) -> Mask:
-        """The free cells that are left without the narrow ones, and can be reached so; all, where these are all."""
+        """The free cells that remain reachable without the narrow ones; all of them if all are narrow."""
         wide = free & ~narrow
         if not (narrow.any() and wide.any()):
             return free
@@ -159,11 +164,11 @@ class SimplifyGrid:
         return kept
 
     def _reachable(self, free: Mask, frame: Frame) -> Mask:
-        """The 4-connected component of `free` that holds the robot, else the largest."""
+        """The 4-connected component of `free` with the robot; without a position, the largest and other large ones."""
         labels, count = label_cells(free, connectivity=1, return_num=True)
         if count == 0:
             raise MapError(
-                f"the map has no free cell at {frame.resolution_m:g} m a cell, so there is nothing to divide into rooms"
+                f"the map has no free cell at {frame.resolution_m:g} m per cell, so there is nothing to divide"
             )
         if not self.robot_m:
             cells = runs_of(labels).cells(count)
@@ -183,21 +188,21 @@ class SimplifyGrid:
 
 
 def cells_in(length_m: float, frame: Frame) -> int:
-    """How many whole cells a length holds."""
+    """The number of whole cells in a length."""
     return int(length_m / frame.resolution_m + EPSILON)
 
 
 def working_frame(frame: Frame, factor: int) -> Frame:
-    """The frame of cells `factor` times as large, their rows and columns counted from the same upper left corner."""
+    """The frame of a raster of cells `factor` times as large with the same upper left corner."""
     height, width = -(-frame.height // factor), -(-frame.width // factor)
     corner_m = frame.world_from_cell(np.array([[height * factor - 0.5, -0.5]]))[0]
     return Frame(height, width, frame.resolution_m * factor, float(corner_m[0]), float(corner_m[1]), frame.yaw_rad)
 
 
 def resampled(grid: OccupancyGrid, factor: int) -> NDArray[np.int8]:
-    """Working cells: occupied if any of its input cells is, else free if any is, else unknown.
+    """The working cells: occupied if any of their input cells is, else free if any is, else unknown.
 
-    Any-occupied keeps every wall closed; a majority would lose a third of the narrow doors with it.
+    Occupied if any is keeps all walls closed; a majority rule would close a third of the narrow doors as well.
     """
     occupied, free = grid.occupied, grid.free
     if factor > 1:
@@ -208,20 +213,20 @@ def resampled(grid: OccupancyGrid, factor: int) -> NDArray[np.int8]:
     return cells
 
 
-def wide_enough(labels: NDArray[np.int32], asked: Mask, width: float) -> Mask:
-    """Which labels (count + 1,) have room for a square of `width` cells; hollow furniture has not. Others: False."""
+def wide_enough(labels: NDArray[np.int32], chosen: Mask, width: float) -> Mask:
+    """Which of the labels `chosen` (count + 1,) fit a square of `width` cells; hollow furniture does not."""
     side = max(1, round(width))
-    padded = np.pad(asked[labels], 1).view(np.uint8)
+    padded = np.pad(chosen[labels], 1).view(np.uint8)
     inner = ndimage.minimum_filter(padded, side, mode="constant", cval=0)[1:-1, 1:-1] > 0
-    found = np.zeros(len(asked), np.bool_)
+    found = np.zeros(len(chosen), np.bool_)
     found[np.unique(labels[inner])] = True
     return found
 
 
 def thin_unknown(cells: NDArray[np.int8], thick: int, longest: int) -> Mask:
-    """Unknown cells in lines at most `thick` and `longest` cells large, whose neighbours are nearly all free.
+    """Unknown cells in lines at most `thick` cells thick and `longest` cells long, with nearly all neighbours free.
 
-    Longer ones are walls that were drawn or seen in part.
+    Longer lines are walls that were drawn or seen in part.
     """
     unknown = cells == UNKNOWN
     box = np.ones((thick + 1, thick + 1), np.bool_)
@@ -230,14 +235,14 @@ def thin_unknown(cells: NDArray[np.int8], thick: int, longest: int) -> Mask:
     around = np.pad(cells, 1, constant_values=UNKNOWN)
     near = np.stack([around[row + down, col + right] for down, right in AROUND])
     free = (near == FREE).sum(axis=0)
-    mended = np.zeros(cells.shape, np.bool_)
+    cleared = np.zeros(cells.shape, np.bool_)
     enough = free >= SURE_SHARE * near.shape[0]
-    mended[row[enough], col[enough]] = True
-    return mended & ~long_pieces(mended, longest, connectivity=2)
+    cleared[row[enough], col[enough]] = True
+    return cleared & ~long_pieces(cleared, longest, connectivity=2)
 
 
 def small_islands(free: Mask, size: int) -> Mask:
-    """Cells of 8-connected obstacles that lie within the free space and in a box of `size` cells."""
+    """The cells of 8-connected obstacles that are surrounded by free space and fit into a box of `size` cells."""
     labels = label_cells(np.pad(~free, 1, constant_values=True), connectivity=2)
     outer = labels[0, 0]
     small = np.zeros(labels.max() + 1, np.bool_)
@@ -247,12 +252,12 @@ def small_islands(free: Mask, size: int) -> Mask:
 
 
 def narrower(free: Mask, thick: int) -> Mask:
-    """Free cells where no free square of more than `thick` cells a side has room."""
+    """The free cells that are in no free square with sides of more than `thick` cells."""
     return free & ~opened(free, square(thick + 1))
 
 
 def long_pieces(mask: Mask, least: float, connectivity: int = 1) -> Mask:
-    """The connected pieces of `mask` (1: by sides, 2: by corners as well) in boxes more than `least` cells long."""
+    """The pieces of `mask`, 4-connected (1) or 8-connected (2), whose bounding boxes are longer than `least` cells."""
     labels = label_cells(mask, connectivity=connectivity)
     long = np.zeros(labels.max() + 1, np.bool_)
     for label, place in enumerate(ndimage.find_objects(labels), start=1):
@@ -261,16 +266,16 @@ def long_pieces(mask: Mask, least: float, connectivity: int = 1) -> Mask:
 
 
 def touches(free: Mask) -> Mask:
-    """Cells that are not free and have a free cell among their eight neighbours."""
+    """The cells that are not free but have a free cell among their eight neighbours."""
     return with_neighbours(free) & ~free
 
 
 def flatten(free: Mask, run: int, passes: int) -> tuple[Mask, Mask]:
-    """Flatten juts and notches of `free` in place; returns the cells that became free, and those that no longer are.
+    """Flatten juts and notches of `free` in place; returns the cells that became free, and those no longer free.
 
-    A jut is a run of at most `run` cells, one deep, on a wall that goes on at least one cell past both ends. A notch
-    is the same with free and obstacle exchanged. All four directions are judged on the same state, so that the result
-    turns and mirrors with the map.
+    A jut is a run of at most `run` cells, one cell deep, on a wall that extends at least one cell past both ends. A
+    notch is the same with free and obstacle swapped. All four directions are evaluated on the same state, so that the
+    result rotates and mirrors with the map.
     """
     state = np.pad(free, 2)
     start = state.copy()
@@ -287,7 +292,7 @@ def flatten(free: Mask, run: int, passes: int) -> tuple[Mask, Mask]:
 
 
 def spread(index: NDArray[np.intp], state: Mask, reach: int) -> NDArray[np.intp]:
-    """Flat indices within `reach` cells (as a square) of any in `index`, away from the padding."""
+    """The flat indices within a square of `reach` cells around any in `index`, without the padding."""
     mask = np.zeros(state.size, np.bool_)
     step = np.arange(-reach, reach + 1)
     for offset in (step[:, None] * state.shape[1] + step).ravel():
@@ -298,12 +303,12 @@ def spread(index: NDArray[np.intp], state: Mask, reach: int) -> NDArray[np.intp]
 
 
 def runs(state: Mask, near: NDArray[np.intp], longest: int, value: bool) -> NDArray[np.intp]:
-    """Flat indices of all cells in runs of `value`, up to `longest` cells long and one deep, on a base of `value`."""
+    """The flat indices of cells in runs of `value` up to `longest` cells long, one cell deep, on a base of `value`."""
     flat = state.reshape(-1)
     found = []
     width = state.shape[1]
     for along, up in ((1, -width), (1, width), (width, -1), (width, 1)):
-        # first cells of a run: the cell before is other, the tip side is other, the base goes on before
+        # first cells of runs: the cell before and the cells on the tip side differ, the base extends before the run
         at = near[flat[near] == value]
         for offset, wanted in (
             (-along, not value),

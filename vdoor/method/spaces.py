@@ -1,8 +1,8 @@
-"""Spaces of a robot: what is wide enough for it, the gaps between them, and the obstacles that keep two of them apart.
+"""Spaces: free space that is wide enough for a robot, the gaps between spaces, and the obstacles that separate them.
 
-No robot fits through a gap, so it counts as closed. An obstacle in pieces, with gaps between them, is a wall where it
-keeps two spaces apart, and furniture where a way leads around it. By that, removing furniture and closing gaps join no
-two spaces that were apart.
+No robot fits through a gap, so gaps count as closed. Pieces of obstacles with gaps between them are a wall if they
+separate two spaces, and furniture if a way leads around them. Removing furniture and closing gaps therefore connects no
+spaces that were separate.
 """
 
 from __future__ import annotations
@@ -22,30 +22,30 @@ Number = TypeVar("Number", np.bool_, np.int32)
 
 AROUND = tuple((down, right) for down in range(3) for right in range(3) if (down, right) != (1, 1))
 BESIDE = 2
-"""Cells beyond a gap's width within which narrow places beside an obstacle count as a part of it."""
+"""Margin, in cells beyond a gap's width, within which narrow places beside an obstacle count as part of it."""
 AROUND_GAP = 2
-"""Cells around a narrow place within which the space beside a nook hangs together."""
+"""Margin, in cells, within which the sides of a narrow place must be connected for it to be a nook, not a gap."""
 SHORTEST_DASH = 2
-"""Cells: less is a speck."""
+"""Smallest length of a dash in cells; anything shorter is a speck."""
 
 
 @dataclass(frozen=True, eq=False)
 class Spaces:
-    """Where a robot can be, and what it does not fit into; all (h, w)."""
+    """Where a robot fits, and where it does not; all (h, w)."""
 
     label: Ints
-    """Number of the space that a free cell belongs to, 0 in narrow places."""
+    """Number of the space that each free cell belongs to; 0 in narrow places."""
     gap: Mask
     """Free cells between two spaces, or between two sides of one: closed for the robot."""
     narrow: Mask
-    """Free cells that it does not reach, gaps and nooks."""
+    """Free cells that the robot cannot cover: gaps and nooks."""
 
     @classmethod
     def of(cls, free: Mask, wide: int) -> Spaces:
         """The spaces of a robot that does not fit through `wide` cells.
 
-        It is round, so that the direction of walls does not matter. Where they run along the grid a square one finds
-        gaps as well: it does not reach into their ends.
+        The robot is round, so that the direction of walls does not matter. For walls along the grid a square robot is
+        used to find further gaps, as it does not reach into their ends.
         """
         element = disc(wide + 1)
         room = room_for(free, element)
@@ -53,7 +53,7 @@ class Spaces:
         centre = found.astype(np.int32)
         label = covered(centre, element, free.shape)
         lowest = count + 1 - covered(np.where(room, np.int32(count + 1) - centre, np.int32(0)), element, free.shape)
-        gap = (label > 0) & (label != lowest)  # robots in two spaces reach in here
+        gap = (label > 0) & (label != lowest)  # covered by robots in two spaces
         label = np.where(gap, np.int32(0), label)
         gap |= beside_other(label)
         narrow = free & ((label == 0) | reached_from_two_sides(room, element, free.shape))
@@ -64,10 +64,10 @@ class Spaces:
 
 
 def furniture(free: Mask, loose: Mask, *, gap: int, around: int, least: float) -> Mask:
-    """The loose cells (h, w) that may go: all but those of walls.
+    """The cells of `loose` (h, w) that may be removed: all but those of walls.
 
-    Loose pieces with only narrow places for a robot between them, which does not fit through `gap` cells, are a group.
-    It is a wall if it keeps two spaces apart: if there is no way from one to the other, or, beside one of its pieces,
+    Loose pieces with only narrow places between them, for a robot that does not fit through `gap` cells, form a group.
+    A group is a wall if it separates two spaces: there is no way from one to the other or, beside one of its pieces,
     none within `around` cells. Spaces of fewer than `least` cells do not count.
     """
     spaces = Spaces.of(free, gap)
@@ -76,7 +76,7 @@ def furniture(free: Mask, loose: Mask, *, gap: int, around: int, least: float) -
     boxes = ndimage.find_objects(piece)
     walls: set[int] = set()
     beside: dict[int, set[int]] = {}
-    # Around a piece without narrow places or other obstacles beside it leads the space that it stands in.
+    # A piece without narrow places or other obstacles beside it is surrounded by one space, so it is no wall.
     for number in np.unique(pairs_beside(piece, (spaces.narrow | ~(free | loose)).astype(np.int32))[:, 0]).tolist():
         box, near = boxes[number - 1], grown(boxes[number - 1], max(around, gap + BESIDE), free.shape)
         obstacle = piece[near] == number
@@ -96,7 +96,7 @@ def furniture(free: Mask, loose: Mask, *, gap: int, around: int, least: float) -
 
 
 def in_line(free: Mask, *, wide: int, thick: int, least: int) -> Mask:
-    """Free cells (h, w) in gaps at most `wide` cells wide between two dashes of one wall along the grid.
+    """The free cells (h, w) in gaps at most `wide` cells wide between two dashes of a wall along the grid.
 
     Dashes are at most `thick` cells thick, and one of the two is at least `least` cells long.
     """
@@ -115,18 +115,18 @@ def square(side: int) -> Mask:
 
 
 def disc(side: int) -> Mask:
-    """The cells of a square of `side` cells whose middles lie within the circle that touches its sides."""
+    """The cells of a square of `side` cells whose centres are within its inscribed circle."""
     away = np.arange(side) - (side - 1) / 2
     return np.asarray(np.hypot(away[:, None], away) <= side / 2)
 
 
 def opened(mask: Mask, element: Mask) -> Mask:
-    """The cells that an element (j, k) covers wherever it has room in the mask (h, w)."""
+    """The morphological opening of a mask (h, w) by an element (j, k): all cells it covers where it fits."""
     return covered(room_for(mask, element), element, mask.shape)
 
 
 def room_for(mask: Mask, element: Mask) -> Mask:
-    """Where an element (j, k) has room in a mask (h, w), by its upper left cell, `size` cells before the mask on."""
+    """Where an element (j, k) fits into a mask (h, w), indexed by its upper left cell, offset by `size` cells."""
     size = max(element.shape)
     padded = np.pad(mask, size)
     height, width = (length + size for length in mask.shape)
@@ -137,7 +137,7 @@ def room_for(mask: Mask, element: Mask) -> Mask:
 
 
 def covered(value: NDArray[Number], element: Mask, shape: tuple[int, ...]) -> NDArray[Number]:
-    """The greatest value (h, w) of all elements that cover a cell; `value` is laid out as in `room_for`."""
+    """The greatest value (h, w) of all elements that cover a cell; `value` is indexed as in `room_for`."""
     size = max(element.shape)
     found = np.zeros([length + 2 * size for length in shape], value.dtype)
     for down, right in np.argwhere(element).tolist():
@@ -147,14 +147,14 @@ def covered(value: NDArray[Number], element: Mask, shape: tuple[int, ...]) -> ND
 
 
 def reached_from_two_sides(room: Mask, element: Mask, shape: tuple[int, ...]) -> Mask:
-    """The cells (h, w) that elements cover from one mouth of a gap and from the other, or that such cells meet in.
+    """The cells (h, w) covered by elements from both ends of a gap, and neighbours covered from different ends.
 
-    A round robot at either mouth reaches into a gap that it does not get through. What covers a cell there has its
-    middle in two directions, and not in those between; and nothing covers two neighbours that meet.
+    A round robot at either end reaches into a gap that it does not fit through. The elements that cover such a cell
+    have their centres in two separate ranges of directions; and no element covers both of two such neighbours.
     """
-    down, right = len(element) - 1 - 2 * np.indices(element.shape)  # half cells from a cell to the middle
+    down, right = len(element) - 1 - 2 * np.indices(element.shape)  # half cells from a cell to the element's centre
     direction = np.rint(np.arctan2(down, right) / (np.pi / 4)).astype(int) % 8
-    aside = element & (np.hypot(down, right) > 2)  # noqa: PLR2004  # a cell away from its own place
+    aside = element & (np.hypot(down, right) > 2)  # noqa: PLR2004  # more than a cell from the centre
     seen = np.stack([covered(room, aside & (direction == way), shape) for way in range(8)])
     found = (seen & ~np.roll(seen, 1, axis=0)).sum(axis=0) > 1
     found &= ~covered(room, element & ~aside, shape)
@@ -169,7 +169,7 @@ def reached_from_two_sides(room: Mask, element: Mask, shape: tuple[int, ...]) ->
 
 
 def beside_other(label: Ints) -> Mask:
-    """The labelled cells with a cell of another label at one of their sides."""
+    """The labelled cells with a 4-neighbour of another label."""
     found = np.zeros(label.shape, np.bool_)
     for one, other in ((np.s_[1:], np.s_[:-1]), (np.s_[:, 1:], np.s_[:, :-1])):
         differs = (label[one] != label[other]) & (label[one] > 0) & (label[other] > 0)
@@ -179,9 +179,9 @@ def beside_other(label: Ints) -> Mask:
 
 
 def between_sides(narrow: Mask, label: Ints) -> Mask:
-    """The pieces of narrow places that lie between two spaces (h, w), or between two sides of one.
+    """The pieces (h, w) of narrow places between two spaces, or between two sides of one.
 
-    These are sides that do not hang together around the piece.
+    Sides of a space are those that are not connected near the piece.
     """
     piece = label_cells(narrow, connectivity=2)
     space = np.where(narrow, 0, label)
@@ -209,7 +209,7 @@ def with_neighbours(mask: Mask) -> Mask:
 
 
 def beside_in_row(mask: Mask, reach: int) -> Mask:
-    """The cells of a mask (h, w) and those at most `reach` cells to their left or right."""
+    """The cells of a mask (h, w), and those at most `reach` cells to the left or right of them."""
     padded = np.pad(mask, ((0, 0), (reach, reach)))
     return np.asarray(
         np.logical_or.reduce([padded[:, begin : begin + mask.shape[1]] for begin in range(2 * reach + 1)])
@@ -217,7 +217,7 @@ def beside_in_row(mask: Mask, reach: int) -> Mask:
 
 
 def pairs_beside(one: Ints, other: Ints) -> Ints:
-    """Pairs (k, 2) of labels of two images (h, w) that are neighbours, by sides or corners, sorted."""
+    """The pairs (k, 2) of labels in two images (h, w) that are 8-neighbours, sorted."""
     row, col = np.nonzero(one)
     padded = np.pad(other, 1)
     near = np.stack([padded[row + down, col + right] for down, right in AROUND])
@@ -228,7 +228,7 @@ def pairs_beside(one: Ints, other: Ints) -> Ints:
 
 
 def grown(box: Box, margin: int, shape: tuple[int, ...]) -> Box:
-    """A box with a margin, as far as it is on the grid."""
+    """A box grown by a margin, clipped to the grid."""
     return tuple(
         slice(max(side.start - margin, 0), min(side.stop + margin, length))
         for side, length in zip(box, shape, strict=True)
@@ -236,7 +236,7 @@ def grown(box: Box, margin: int, shape: tuple[int, ...]) -> Box:
 
 
 def inside(box: Box, near: Box) -> Mask:
-    """Which cells of a window `near` lie in a box within it."""
+    """Which cells of the window `near` are in a box within it."""
     found = np.zeros([side.stop - side.start for side in near], np.bool_)
     found[tuple(slice(b.start - n.start, b.stop - n.start) for b, n in zip(box, near, strict=True))] = True
     return found

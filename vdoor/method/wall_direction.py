@@ -1,4 +1,4 @@
-"""Direction of a map's walls, so that no result depends on how the map is turned."""
+"""The direction of a map's walls, so that results do not depend on the map's rotation."""
 
 from __future__ import annotations
 
@@ -8,22 +8,22 @@ from vdoor.method.boundary import BoundaryPath
 from vdoor.method.corners import gaps_m
 
 STRAIGHTNESS = 0.9
-"""U_k: share of the path's length that a chord must have to be of a wall, not of a corner; slanted ones have 0.92."""
+"""U_k: smallest ratio of chord to path length for a chord along a wall, not across a corner; slanted walls: 0.92."""
 CHORD_M = 0.5
-"""Length of the chords that vote for a direction: longer than furniture is deep."""
+"""Length of the chords that vote for a direction: more than the depth of furniture."""
 BINS = 720
-"""Of the histogram of angles: an eighth of a degree each, as directions repeat every 90 degrees."""
+"""Bins of the histogram of angles: an eighth of a degree each, as directions repeat every 90 degrees."""
 KERNEL_BINS, KERNEL_SIGMA_BINS = 24, 8.0
-"""Half width and standard deviation of the Gaussian that smooths it: 1 degree, cut off at three of them."""
+"""Half width and standard deviation of the Gaussian that smooths the histogram: 3 degrees and 1 degree."""
 PEAK_DEG = 24.0
-"""Votes so near the peak, in quadruple angle, are averaged: 6 degrees of a wall."""
+"""Votes within this of the peak, in quadruple angles, are averaged: 6 degrees of the walls' directions."""
 
 
 def wall_direction_rad(path: BoundaryPath) -> float:
-    """Angle of the dominant walls from the grid's columns, -pi/4 to pi/4, clockwise on the image (row over col).
+    """The angle of the dominant walls to the image's x axis, -pi/4 to pi/4, clockwise in the image (row over col).
 
-    The chords of the boundary have one vote each for the angle they have in common with all that turn by right angles,
-    so that both families of walls count for one direction.
+    Each chord of the boundary votes for its angle modulo 90 degrees, so that walls in both perpendicular directions
+    count for the same one.
     """
     step = max(1, round(CHORD_M / path.frame.resolution_m))
     count = np.diff(np.append(path.first, len(path.cell))).astype(np.int64)

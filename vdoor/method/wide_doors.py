@@ -1,4 +1,4 @@
-"""Virtual doors for real maps: from every convex corner to all that it faces nearby, and along the walls it ends."""
+"""Virtual doors for real maps: from convex corners to everything they face nearby, and in line with their walls."""
 
 from __future__ import annotations
 
@@ -35,33 +35,34 @@ Ints = NDArray[np.int32]
 Mask = NDArray[np.bool_]
 
 DIRECTIONS = 128
+"""Number of rays from each corner, a multiple of 8."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class ProposeWideDoors:
-    """Join convex corners to each other, to the nearest boundaries around them, and along their own walls' lines."""
+    """Join convex corners to each other, to the nearest boundaries around them, and in line with their own walls."""
 
     pair_m: Annotated[float, Within(0, 20)] = 2.6
     """Longest door between two corners."""
     single_m: Annotated[float, Within(0, 20)] = 2.3
     """Longest door from a corner to a boundary."""
     extension_m: Annotated[float, Within(0, 20)] = 3.2
-    """Longest door along the line of a wall that ends in a corner."""
+    """Longest door in line with a wall that ends in a corner."""
     least_m: Annotated[float, Within(0, 20)] = 0.3
     """Narrowest door: no robot fits through less."""
     apart_cosine: Annotated[float, Within(-1, 1)] = 0.3
     """Of two boundaries whose directions from a corner have a greater cosine, only the nearer one is joined."""
     pair_detour: Annotated[float, Within(0, 100)] = 2.5
-    """Two corners of one contour make a door only if the path between them is so many times longer than the door."""
+    """A door between two corners of one contour requires a path between them longer than this times the door."""
     single_detour: Annotated[float, Within(0, 100)] = 2.5
-    """The same for a corner and a boundary."""
+    """The same factor for a door between a corner and a boundary."""
     wall_m: Annotated[float, Within(0.01, 5)] = 0.5
-    """Length of wall beside a corner that tells the wall's direction."""
+    """Length of the wall beside a corner from which the wall's direction is measured."""
     snap_deg: Annotated[float, Within(0, 45)] = 20.0
-    """Walls' directions within this of the map's dominant one are taken to be it."""
+    """Directions of walls within this angle of the map's dominant one are set to it."""
 
     def __call__(self, simplified: SimplifiedGrid, path: BoundaryPath, corners: Corners) -> VirtualDoors:
-        """Pairs, singles, extensions; equal ones are kept once."""
+        """Pairs, then singles, then extensions; of equal doors only the first is kept."""
         free = simplified.cells == FREE
         convex = np.flatnonzero(corners.convex).astype(np.int32)
         found = self._pairs(path, corners, convex)
@@ -76,7 +77,7 @@ class ProposeWideDoors:
         return measured(free, found, path.frame)
 
     def _pairs(self, path: BoundaryPath, corners: Corners, convex: Ints) -> DoorCandidates:
-        """All pairs of convex corners within reach."""
+        """All pairs of convex corners within reach, those along one wall marked."""
         both = pairs_within(corners, convex, self.pair_m / path.frame.resolution_m + EPSILON)
         verdict = np.full(len(both), PROPOSED, np.uint8)
         same = same_wall(path, corners.sample[both[:, 0]], corners.sample[both[:, 1]], self.pair_detour)
@@ -86,11 +87,11 @@ class ProposeWideDoors:
         )
 
     def _singles(self, free: Mask, path: BoundaryPath, corners: Corners, convex: Ints) -> DoorCandidates:
-        """From each corner to the nearest boundaries in clearly different directions."""
+        """Doors from each corner to the nearest boundaries in clearly different directions."""
         reach = self.single_m / path.frame.resolution_m
-        offset = _star(reach)
+        offset = _rays(reach)
         start = corners.cell[convex]
-        hit = _first_hits(free, start, offset)  # step index, -1 where none
+        hit = _first_hits(free, start, offset)  # step index, -1 for none
         number, squared, cell = _local_nearest(start, offset, hit)
         own = self._own_wall(path, corners.sample[convex[number]], cell)
         own |= np.abs(cell - start[number]).max(axis=1, initial=0) <= 1
@@ -102,9 +103,9 @@ class ProposeWideDoors:
         return DoorCandidates(start[number], cell, kind, np.full(len(number), PROPOSED, np.uint8), both)
 
     def _own_wall(self, path: BoundaryPath, sample: Ints, cell: Ints) -> Mask:
-        """Whether each cell (k, 2) is of the wall that its corner's sample (k,) is on, or of no wall that was walked.
+        """Whether each cell (k, 2) is on the same wall as its corner's sample (k,), or has no sample of the path.
 
-        One sample of the cell that is near along the path speaks for all of them.
+        One sample of a cell that is near along the path is enough.
         """
         row, other = samples_at(path, cell)
         near = same_wall(path, sample[row], other.astype(np.int32), self.single_detour)
@@ -114,7 +115,7 @@ class ProposeWideDoors:
         return own
 
     def _extensions(self, free: Mask, path: BoundaryPath, corners: Corners, convex: Ints) -> DoorCandidates:
-        """From each corner along the lines of the two walls that meet in it, to what they hit."""
+        """Doors from each corner in line with the two walls that meet in it, to the first obstacle."""
         cell_m = path.frame.resolution_m
         samples = max(3, round(self.wall_m / cell_m))
         dominant = wall_direction_rad(path)
@@ -142,15 +143,15 @@ class ProposeWideDoors:
         hit = blocked.any(axis=1) & (first > 0)
         index = np.flatnonzero(hit)
         end = np.stack([np.rint(row[index, first[index]]), np.rint(col[index, first[index]])], axis=1).astype(np.int32)
-        beside = ((end >= -1) & (end <= free.shape)).all(axis=1)  # where nothing blocks near a corner, a look may leave
+        beside = ((end >= -1) & (end <= free.shape)).all(axis=1)  # a ray may leave the map right beside its corner
         index, end = index[beside], end[beside]
         both = np.stack([convex[which[index]], np.full(len(index), -1, np.int32)], axis=1)
         kind = np.full(len(index), KINDS.index("extension"), np.uint8)
         return DoorCandidates(start[index], end, kind, np.full(len(index), PROPOSED, np.uint8), both)
 
 
-def _star(reach: float) -> Ints:
-    """Cell offsets (directions, steps, 2) of rays all around, alike under quarter turns and mirrors."""
+def _rays(reach: float) -> Ints:
+    """Cell offsets (directions, steps, 2) of rays in all directions, invariant under quarter turns and mirroring."""
     eighth = DIRECTIONS // 8
     angle = np.arange(eighth + 1) * (math.pi / 4 / eighth)
     steps = np.arange(1, max(1, int(reach / STEP)) + 1) * STEP
@@ -165,7 +166,7 @@ def _star(reach: float) -> Ints:
 
 
 def _first_hits(free: Mask, start: Ints, offset: Ints) -> Ints:
-    """Step (k, directions) at which each ray from cells (k, 2) meets an obstacle after it was in the open, else -1."""
+    """The step (k, directions) at which each ray from cells (k, 2) hits an obstacle after free cells; -1 for none."""
     grid = np.pad(free, 1)
     height, width = grid.shape
     flat = grid.reshape(-1)
@@ -184,7 +185,7 @@ def _first_hits(free: Mask, start: Ints, offset: Ints) -> Ints:
 
 
 def _local_nearest(start: Ints, offset: Ints, hit: Ints) -> tuple[NDArray[np.intp], NDArray[np.int64], Ints]:
-    """Which corner (m,), squared distance (m,) and cell (m, 2) of hits no farther than those beside them."""
+    """The corner (m,), squared distance (m,) and cell (m, 2) of hits no farther than those of the rays beside them."""
     directions = np.arange(len(offset))
     span = offset[directions, np.maximum(hit, 0)].astype(np.int64)
     squared = np.where(hit >= 0, (span**2).sum(axis=2), np.iinfo(np.int64).max)
@@ -196,7 +197,7 @@ def _local_nearest(start: Ints, offset: Ints, hit: Ints) -> tuple[NDArray[np.int
 
 
 def samples_at(path: BoundaryPath, cell: Ints) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """Rows (m,) of `cell` (k, 2), and the samples (m,) of the path whose obstacle cell each is: all of them."""
+    """Rows (m,) of `cell` (k, 2) and samples (m,) of the path: all pairs in which the cell is the sample's obstacle."""
     width = path.frame.width + 2
     key = (path.cell[:, 0].astype(np.int64) + 1) * width + path.cell[:, 1] + 1
     order = np.argsort(key, kind="stable")
@@ -209,7 +210,7 @@ def samples_at(path: BoundaryPath, cell: Ints) -> tuple[NDArray[np.intp], NDArra
 
 
 def _apart(number: NDArray[np.intp], squared: NDArray[np.int64], span: Floats, cosine: float) -> Mask:
-    """Which hits (k,), sorted by corner, have no nearer one of their corner in a similar direction."""
+    """Which hits (k,), sorted by corner, have no nearer hit of the same corner in a similar direction."""
     unit = span / np.hypot(*span.T)[:, None]
     keep = np.ones(len(number), np.bool_)
     most = int(np.bincount(number).max(initial=0))
@@ -222,7 +223,7 @@ def _apart(number: NDArray[np.intp], squared: NDArray[np.int64], span: Floats, c
 
 
 def _along(path: BoundaryPath, sample: Ints, sign: int, samples: int) -> Ints:
-    """Places (k, 2) in half cells so many samples before (-1) or after (1) each sample on its contour."""
+    """Positions (k, 2) in half cells that are `samples` before (-1) or after (1) each sample on its contour."""
     contour = path.contour[sample]
     count = np.diff(np.append(path.first, len(path.cell)))[contour]
     local = (sample - path.first[contour] + sign * np.minimum(samples, count // 2)) % count

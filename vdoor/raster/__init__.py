@@ -1,1 +1,1 @@
-"""Geometry on grids of cells, with nothing of the method in it: contours, lines, rays, components, polygons."""
+"""Geometry on grids of cells, independent of the method: contours, lines, rays, components, polygons."""

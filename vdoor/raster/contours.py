@@ -1,7 +1,7 @@
-"""Closed boundaries of labelled regions by crack following with the wall on the left hand.
+"""Closed boundaries of labelled regions, by crack following with the wall on the left.
 
-A state is a cell, a heading, and a wall at the left hand. The rules below give each state one successor and each
-state one predecessor, so the contours are the cycles of a permutation: no walking is needed, only a table.
+A state is a cell and a heading with a wall on the left. The rules in `follow` give each state exactly one successor and
+one predecessor, so the contours are the cycles of a permutation, found from a table without walking step by step.
 """
 
 from __future__ import annotations
@@ -11,38 +11,38 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-# Row and column step of the headings east, north, west, south: the left hand of heading h points to heading h + 1.
+# Row and column step of the headings east, north, west, south: left of heading h is heading h + 1.
 STEP = np.array([(0, 1), (-1, 0), (0, -1), (1, 0)], np.int32)
-# The corner of a cell (row, col) behind the walker at its left hand, where the crack beside it begins.
+# The corner of a cell (row, col) behind the walker on its left, where the crack to its left begins.
 CRACK_START = np.array([(0, 0), (1, 0), (1, 1), (0, 1)], np.int32)
 
 
 @dataclass(frozen=True)
 class Contours:
-    """All contours, one after the other, each in walking order."""
+    """All contours, one after another, each in walking order."""
 
     cell: NDArray[np.int32]
-    """(n, 2) row, col the walker stands on."""
+    """(n, 2) row, col of the cell that the walker is on."""
     heading: NDArray[np.int32]
-    """(n,) index into STEP."""
+    """(n,) index into `STEP`."""
     turn: NDArray[np.int32]
-    """(n,) quarter turns to the left that lead to the next state: 1, 0 or -1."""
+    """(n,) quarter turns to the left towards the next state: 1, 0 or -1."""
     contour: NDArray[np.int32]
-    """(n,) which contour."""
+    """(n,) index of the contour."""
     first: NDArray[np.int32]
-    """(contours,) where each begins: at its uppermost, then leftmost cell."""
+    """(contours,) index of the first state: at the uppermost, then leftmost cell."""
     length: NDArray[np.int32]
     """(contours,) number of states."""
     outer: NDArray[np.bool_]
-    """(contours,) the contour runs around its region and not around a hole in it."""
+    """(contours,) whether the contour runs around its region, not around a hole in it."""
 
 
 def follow(labels: NDArray[np.int32] | NDArray[np.bool_], *, cross_corners: bool = False) -> Contours:
-    """Contours of every region of equal, non-zero label (h, w).
+    """Contours of all regions of equal, non-zero labels (h, w).
 
-    Blocked ahead: turn right. Free ahead and a wall ahead on the left: go straight on. Else: turn left around the
-    wall's end. This takes regions as 4-connected. With `cross_corners` the path crosses to its own region's cell at
-    the other side of a corner, so that a ring never touches itself and holes may touch the ring: valid polygons.
+    Blocked ahead: turn right. Free ahead with a wall ahead on the left: go straight. Otherwise: turn left around the
+    wall's end. This treats regions as 4-connected. With `cross_corners` the path crosses a corner to a diagonal cell of
+    its own region, so that no ring touches itself, though a hole may touch the outer ring: valid polygons.
     """
     padded = np.pad(labels, 1)
     flat, width = padded.ravel(), padded.shape[1]
@@ -76,9 +76,9 @@ def follow(labels: NDArray[np.int32] | NDArray[np.bool_], *, cross_corners: bool
 
 
 def cycles(successor: NDArray[np.intp]) -> tuple[NDArray[np.intp], NDArray[np.int32], NDArray[np.int32]]:
-    """Order that lists a permutation cycle after cycle; first index and length of each in that order.
+    """The order that lists a permutation cycle by cycle; the index of each cycle's start in it, and each length.
 
-    Cycles come in the order of their smallest member and begin with it. Pointer doubling: log2(n) gathers.
+    Cycles are sorted by their smallest member and begin with it. Pointer doubling: log2(n) gathers.
     """
     count = len(successor)
     root, jump = np.arange(count), successor

@@ -14,16 +14,16 @@ Mask = NDArray[np.bool_]
 
 
 def at_input(working: Ints, factor: int, free: Mask) -> Ints:
-    """Labels of the working grid at the input's resolution, on its free cells."""
+    """The labels of the working grid at the input's resolution, on its free cells only."""
     fine = working.repeat(factor, axis=0).repeat(factor, axis=1) if factor > 1 else working
     return np.where(free, fine[: free.shape[0], : free.shape[1]], 0).astype(np.int32)
 
 
 def whole(labels: Ints) -> Ints:
-    """The labels, each on its largest 4-connected part only, the first one at a tie.
+    """The labels, each restricted to its largest 4-connected part; of equally large ones the first.
 
-    Cells that are free at the working resolution may lie apart at the input's, behind a line of unknown cells or in
-    a hollow of furniture; flooding then gives those that can be walked to a room again.
+    Cells that are connected at the working resolution may not be at the input's, as behind a line of unknown cells or
+    inside furniture. Flooding later assigns those that are reachable to a room again.
     """
     part = label_cells(labels, connectivity=1, background=0)
     runs = runs_of(part)
@@ -38,7 +38,7 @@ def whole(labels: Ints) -> Ints:
 
 
 def flooded(labels: Ints, free: Mask) -> Ints:
-    """Every free cell that a label reaches through free cells takes the nearest one by walking, the lower at a tie."""
+    """The labels spread to all free cells reachable through free cells, nearest label first, the lower one at a tie."""
     width = labels.shape[1] + 2
     flat = np.pad(labels, 1).reshape(-1)
     todo = np.pad(free, 1).reshape(-1) & (flat == 0)
@@ -61,9 +61,10 @@ def flooded(labels: Ints, free: Mask) -> Ints:
 
 
 def handed_on(labels: Ints, free: Mask) -> Ints:
-    """Every free cell that a label reaches, each 4-connected piece of cells without one as a whole.
+    """The labels, with each 4-connected piece of unlabelled free cells assigned to a label as a whole.
 
-    A piece takes the label that it shares most sides with, the lower at a tie; pieces that touch none stay at 0.
+    A piece gets the label with which it shares most cell sides, the lower one at a tie; a piece that touches none
+    stays 0.
     """
     piece = label_cells(free & (labels == 0), connectivity=1)
     row, col = np.nonzero(piece)
@@ -72,16 +73,16 @@ def handed_on(labels: Ints, free: Mask) -> Ints:
     own = np.broadcast_to(piece[row, col], near.shape)[near > 0]
     rooms = int(labels.max(initial=0)) + 1
     key, sides = np.unique(own.astype(np.int64) * rooms + near[near > 0], return_counts=True)
-    order = np.lexsort((-key, sides, key // rooms))  # the last of a piece has most sides, and the lowest label
+    order = np.lexsort((-key, sides, key // rooms))  # the last entry of a piece has the most sides, then lowest label
     of_piece = np.zeros(int(piece.max(initial=0)) + 1, np.int32)
     of_piece[key[order] // rooms] = key[order] % rooms
     return np.where(piece > 0, of_piece[piece], labels).astype(np.int32)
 
 
 def numbered(labels: Ints, rooms: int) -> tuple[Ints, Ints]:
-    """Labels renumbered 1, 2, ... in reading order of their first cells; and the new number (rooms + 1,) of each old.
+    """The labels renumbered 1, 2, ... in reading order of their first cells, and the new number of each old one.
 
-    Rooms without a free cell of the input (they lay on removed islands) get 0.
+    The new numbers are (rooms + 1,). Rooms without a free cell of the input (on removed islands) get 0.
     """
     present = runs_of(labels).label
     order = present[np.sort(np.unique(present, return_index=True)[1])]
@@ -91,7 +92,7 @@ def numbered(labels: Ints, rooms: int) -> tuple[Ints, Ints]:
 
 
 def contacts(labels: Ints) -> tuple[Floats, Ints]:
-    """Where cells of two rooms touch: middles (k, 2) as row, col, and the two rooms (k, 2), the lower first."""
+    """Cell sides where two rooms touch: their midpoints (k, 2) as row, col, and the two rooms (k, 2), lower first."""
     places, pairs = [], []
     for step in ((0, 1), (1, 0)):
         one = labels[: labels.shape[0] - step[0], : labels.shape[1] - step[1]]

@@ -8,18 +8,18 @@ from numpy.typing import NDArray
 Ints = NDArray[np.int32]
 
 
-CHUNK = 50_000  # lines at a time: bounds the memory
+CHUNK = 50_000  # lines processed at a time, to limit memory
 
 
 def lines_between(free: NDArray[np.bool_], start: Ints, end: Ints) -> tuple[NDArray[np.bool_], Ints, Ints]:
-    """Which of the lines (k,) are free all along, the free cells (m, 2) on those, and whose they are (m,).
+    """Which of the lines (k,) are free along their whole length, their free cells (m, 2), and the line of each (m,).
 
-    A line has one cell for each step along its longer axis, end cells left out: 8-connected, so it parts 4-connected
-    space. Where it runs exactly between two cells, those of the two that are free are taken and one must be: so lines
-    turn, mirror and reverse with the map. Lines without a cell between their ends are not free.
+    A line has one cell per step along its longer axis, without its end cells. It is 8-connected, so it separates
+    4-connected space. Where it runs exactly between two cells, it has whichever of them are free, and at least one must
+    be, so that lines rotate, mirror and reverse with the map. Lines with no cell between their ends are not free.
     """
     clear, cells, owners = [np.zeros(0, np.bool_)], [np.zeros((0, 2), np.int32)], [np.zeros(0, np.int32)]
-    around = np.pad(free, 1)  # a door may end one cell outside the map
+    around = np.pad(free, 1)  # a line may end one cell outside the map
     for begin in range(0, len(start), CHUNK):
         part = slice(begin, begin + CHUNK)
         good, cell, owner = _some_lines(around, start[part], end[part])
@@ -30,7 +30,7 @@ def lines_between(free: NDArray[np.bool_], start: Ints, end: Ints) -> tuple[NDAr
 
 
 def _some_lines(around: NDArray[np.bool_], start: Ints, end: Ints) -> tuple[NDArray[np.bool_], Ints, Ints]:
-    """`lines_between` for a few lines on the padded map, as arrays of (line, step, lower and upper cell)."""
+    """`lines_between` for some lines on the padded map; internally arrays of (line, step, lower and upper cell)."""
     span = end - start
     steps = np.abs(span).max(axis=1, initial=0)
     at = np.arange(1, max(2, steps.max(initial=0)), dtype=np.int32)[None, :]

@@ -1,4 +1,4 @@
-"""Shapes of labelled regions: a cell in their middle, and polygons with holes."""
+"""Shapes of labelled regions: their central cells, and polygons with holes."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ Ints = NDArray[np.int32]
 
 
 def centres(label: Ints, count: int) -> Ints:
-    """The cell (count, 2) of each label 1 to `count` that lies nearest to the label's mean, the first one at a tie."""
+    """The cell (count, 2) of each label 1 to `count` that is nearest to the mean of its cells; the first at a tie."""
     mean = runs_of(label).means(count)
     centre = np.rint(mean).astype(np.int32)
     elsewhere = label[centre[:, 0], centre[:, 1]] != np.arange(1, count + 1)
@@ -26,7 +26,10 @@ def centres(label: Ints, count: int) -> Ints:
 
 
 def polygons(label: Ints) -> tuple[Ints, Ints, Ints]:
-    """Rings around every label: vertices (k, 2) in cell edges, their label, their ring (0 = outer, then holes)."""
+    """Rings around all labels: vertices (k, 2) in cell edges, label (k,) and ring (k,) of each (0 = outer, then holes).
+
+    Each ring ends with its first vertex.
+    """
     contours = follow(label, cross_corners=True)
     before = np.arange(-1, len(contours.turn) - 1)
     before[contours.first] = contours.first + contours.length - 1
@@ -38,7 +41,7 @@ def polygons(label: Ints) -> tuple[Ints, Ints, Ints]:
     ring = np.empty(len(order), np.int32)
     ring[order] = np.arange(len(order)) - begin
 
-    # close each ring by repeating its first vertex, rings sorted by label
+    # repeat the first vertex of each ring at its end, and sort the rings by label
     of = contours.contour[bends]
     first = np.searchsorted(of, np.arange(len(owner)))
     index = np.concatenate([np.arange(len(of)), first])

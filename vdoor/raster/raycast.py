@@ -1,4 +1,4 @@
-"""Rays through a raster, many at once: how long they are, and the values that they pass."""
+"""Rays through a raster, many at once, and values of a raster at arbitrary points."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ Ints = NDArray[np.int64]
 Mask = NDArray[np.bool_]
 
 STEP = 0.6180339887
-"""Cells from one sample of a ray to the next: irrational enough never to fall between two cells along an axis."""
-CHUNK = 4_000_000  # samples at a time: bounds the memory
+"""Distance between samples of a ray in cells: irrational, so that none falls exactly between two cells on an axis."""
+CHUNK = 4_000_000  # samples processed at a time, to limit memory
 
 
 class Padded:
-    """A raster with a border of `outside` cells, read at places (row, col) that need not lie in it."""
+    """A raster that can be read at any point (row, col); points outside it have the value `outside`."""
 
     def __init__(self, raster: NDArray[np.generic], outside: float | bool) -> None:
         self.raster = np.pad(raster, 1, constant_values=outside)
@@ -25,21 +25,21 @@ class Padded:
         self.flat = self.raster.reshape(-1)
 
     def at(self, row: NDArray[np.floating], col: NDArray[np.floating]) -> NDArray[np.generic]:
-        """Values of the cells that hold the places, the border's for all places outside."""
-        # Not to the nearest even number: halves would go another way where the map lies one cell further.
+        """The values of the cells that contain the points, or `outside`."""
+        # Halves are rounded up, not to even: otherwise the result would change if the map is shifted by one cell.
         r = np.clip(np.floor(row + 0.5).astype(np.int32) + 1, 0, self.height - 1)
         c = np.clip(np.floor(col + 0.5).astype(np.int32) + 1, 0, self.width - 1)
         return np.asarray(self.flat[r * self.width + c])
 
-    def of(self, part: slice) -> Padded:  # noqa: ARG002  # all rays pass the same raster here
-        """The raster that some of the rays cast at once pass."""
+    def of(self, part: slice) -> Padded:  # noqa: ARG002  # all rays see the same raster here
+        """The raster as seen by some of the rays that are cast together."""
         return self
 
 
 def ray_lengths(inside: Padded, start: Floats, direction: Floats, reach: float) -> Floats:
-    """Lengths (k,) in cells of rays from places (k, 2) along unit vectors (k, 2) within set cells, at most `reach`.
+    """Lengths (k,) in cells of rays from points (k, 2) along unit vectors (k, 2) through set cells, at most `reach`.
 
-    The cell of the start need not be set. Lengths are whole steps of half a cell.
+    The start cell need not be set. Lengths are multiples of half a cell.
     """
     steps = max(1, math.ceil(2 * reach))
     far = np.arange(1, steps + 1) / 2

@@ -1,4 +1,4 @@
-"""Label images as runs: what asks for sums over all cells of a label asks a few thousand runs instead."""
+"""Run-length encoded label images: sums over the cells of each label take a few thousand runs instead of all cells."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ Ints = NDArray[np.int64]
 
 @dataclass(frozen=True)
 class Runs:
-    """Maximal stretches of one label within a row, in reading order; label 0 is left out."""
+    """Maximal runs of one label within a row, in reading order, without label 0."""
 
     label: NDArray[np.int32]
     row: Ints
@@ -21,11 +21,11 @@ class Runs:
     length: Ints
 
     def cells(self, count: int) -> Ints:
-        """Number of cells (count,) of labels 1 to `count`."""
+        """The number of cells (count,) of each label 1 to `count`."""
         return self._sums(self.length, count).astype(np.int64)
 
     def means(self, count: int) -> NDArray[np.float64]:
-        """Mean row and col (count, 2) of labels 1 to `count`; 0, 0 where a label has no cell."""
+        """The mean row and col (count, 2) of each label 1 to `count`; 0, 0 for a label without cells."""
         middles = (self.row, self.begin + (self.length - 1) / 2)
         sums = [self._sums(middle * self.length, count) for middle in middles]
         return np.stack(sums, axis=1) / np.maximum(self._sums(self.length, count), 1)[:, None]

@@ -1,4 +1,4 @@
-"""The finished map out of a recording or a result folder; nothing is run again."""
+"""Reading the finished map from a recording or a result folder, without running anything again."""
 
 from __future__ import annotations
 
@@ -30,36 +30,36 @@ from vdoor.topology import KINDS, Door, TopologicalMap, signed_area_m2
 
 Ints = NDArray[np.int32]
 Feature = tuple[int, bool, tuple[float, float]]
-"""A corner feature: its room, whether it is convex, and where it lies."""
+"""A corner: its room, whether it is convex, and its position as x, y."""
 
 
 @dataclass(frozen=True)
 class Finished:
-    """What a run ended with."""
+    """The result of a finished run."""
 
     topology: TopologicalMap
     provenance: Provenance | None = None
-    """Of the run, where that is wanted."""
+    """The provenance of the run, if requested."""
     settings: Mapping[str, Any] = field(default_factory=dict)
-    """Of the run, as nested tables."""
+    """The settings of the run, as nested tables."""
 
 
 def read_finished(path: str | Path, *, provenance: bool = False) -> Finished:
-    """The map of a finished run, which an .mcap ends with or a folder of `vdoor run --out` holds.
+    """The result of a finished run: the last record of an .mcap, or a folder written by `vdoor run --out`.
 
-    Raises `VdoorError` where there is none, it is damaged, or its files do not belong together.
+    Raises `VdoorError` if it is missing or damaged, or if its files do not belong together.
     """
     path = Path(path)
     return read_result(path, provenance=provenance) if path.is_dir() else read_last(path, provenance=provenance)
 
 
 def files_of(path: Path) -> list[Path]:
-    """The files that `read_finished` reads, and those that belong to them."""
+    """The files of a result: all that `read_finished` reads, and those that belong to them."""
     return [path / name for name in NAMES] if path.is_dir() else [path]
 
 
 def read_last(path: Path, *, provenance: bool = False) -> Finished:
-    """The map that a recording ends with."""
+    """The result at the end of a recording; raises `RecordingError` if the run is not finished."""
     topic = "nothing"
     recording = read_recording(path, types=RECORDS)
     origin = Provenance.of(recording.info) if provenance else None
@@ -69,18 +69,18 @@ def read_last(path: Path, *, provenance: bool = False) -> Finished:
             return Finished(in_own_frame(record, recording.info.source), origin, recording.info.settings)
         if origin:
             origin.run.write(step, record)
-    raise RecordingError(f"recording: wanted a run that is finished, found one that ends with {topic}: {path}")
+    raise RecordingError(f"recording: wanted a finished run, found one that ends with {topic}: {path}")
 
 
 def read_result(folder: Path, *, provenance: bool = False) -> Finished:
-    """The map of a result folder: rooms from rooms.png, doors and corner features from map.json.
+    """The result in a folder: rooms from rooms.png, doors and corners from map.json.
 
-    Areas, middles and polygons are taken from the label image by the same rules as when it was written. What a
-    recording alone knows, the edges of the initial map and the numbers of the corners, is -1.
+    Areas, centres and polygons are computed from the label image, as when it was written. The edges of the initial map
+    and the corners' numbers, which only a recording contains, are -1.
     """
     for name in ("map.json", "rooms.png"):
         if not (folder / name).is_file():
-            raise VdoorError(f"result: wanted a folder of `vdoor run --out`, found no {name} in it: {folder}")
+            raise VdoorError(f"result: wanted a folder written by `vdoor run --out`, found no {name} in it: {folder}")
     document = read_table(folder / "map.json")
     labels = read_labels(folder / "rooms.png").astype(np.int32)
     with _naming(folder):
@@ -102,9 +102,9 @@ def read_result(folder: Path, *, provenance: bool = False) -> Finished:
 
 
 def _provenance(folder: Path, document: Mapping[str, Any], frame: Frame) -> Provenance:
-    """What map.json says of the run, and the map as read; `VdoorError` for what is not so.
+    """The provenance of the run: facts from map.json, and the input map; raises `VdoorError` for invalid values.
 
-    Raises `KeyError` and the like for a document of another shape.
+    Raises `KeyError` and similar exceptions for a document of a different structure.
     """
     files = tuple((str(file["name"]), str(file["sha256"])) for file in document["source"]["files"])
     settings: Mapping[str, Any] = dict(document["settings"])
@@ -114,7 +114,7 @@ def _provenance(folder: Path, document: Mapping[str, Any], frame: Frame) -> Prov
 
 
 def _grid(path: Path, frame: Frame) -> OccupancyGrid:
-    """The map of a result folder; `VdoorError` where it is not of the frame's size."""
+    """The input map in a result folder; raises `VdoorError` if it does not have the frame's size."""
     grey = read_image(path).greys()
     if grey.shape != (frame.height, frame.width):
         found = f"{grey.shape[1]} x {grey.shape[0]}"
@@ -149,7 +149,7 @@ def _assembled(
 
 
 def _frame(document: dict[str, Any], shape: tuple[int, ...]) -> Frame:
-    """Where the map lies, with the label image's own size, which the document has to agree with."""
+    """The map's frame, with the label image's size; raises `VdoorError` if the document's size differs."""
     size, origin = document["size"], document["origin"]
     if (size["height"], size["width"]) != shape:
         found = f"{shape[1]} x {shape[0]}"
@@ -159,17 +159,17 @@ def _frame(document: dict[str, Any], shape: tuple[int, ...]) -> Frame:
 
 
 def _rooms(tables: list[dict[str, Any]], labels: Ints) -> set[int]:
-    """Ids of the rooms, which rise in the document and are those of the label image."""
+    """The ids of the rooms; raises `VdoorError` unless they ascend and are those of the label image."""
     ids = [table["id"] for table in tables]
     found = ranked(labels)[0].tolist()
     if not found or ids != found or any(type(room) is not int for room in ids):
         rooms = f"{len(ids)} rooms in map.json and {len(found)} in rooms.png"
-        raise VdoorError(f"result: wanted the same rooms in both, by rising id, found {rooms}")
+        raise VdoorError(f"result: wanted the same rooms in both, sorted by id, found {rooms}")
     return set(ids)
 
 
 def _door(table: dict[str, Any], rooms: set[int]) -> Door:
-    """A door of the document; an error where it joins no two rooms or is of no kind."""
+    """A door of the document; raises `VdoorError` unless it joins two rooms and has a valid kind."""
     one, other = table["rooms"]
     if one not in rooms or other not in rooms or not one < other:
         raise VdoorError(f"map.json: wanted two rooms for each door, the lower first, found {shown((one, other))}")
@@ -193,7 +193,7 @@ def _features(table: dict[str, Any]) -> Iterator[Feature]:
 
 
 def _refuse_parts(topology: TopologicalMap) -> None:
-    """Raise `VdoorError` for a room in several parts, each with an outer ring of its own."""
+    """Raise `VdoorError` if a room has several parts, that is, several outer rings."""
     for room in topology.rooms:
         outer, *holes = (signed_area_m2(ring) < 0 for ring in room.polygon_m)
         if outer in holes:
@@ -201,7 +201,7 @@ def _refuse_parts(topology: TopologicalMap) -> None:
 
 
 def _radians(angle_deg: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Angles that are these very numbers when they are told in degrees, to the last bit."""
+    """Angles in radians that convert to exactly these degrees, to the last bit."""
     angle = np.radians(angle_deg)
     for beside in (np.nextafter(angle, -np.inf), np.nextafter(angle, np.inf)):
         angle = np.where(np.degrees(beside) == angle_deg, beside, angle)
@@ -217,7 +217,7 @@ def _number(value: object) -> float:
 def _text(value: object) -> str:
     if isinstance(value, str) and TEXT.fullmatch(value):
         return value
-    raise VdoorError(f"map.json: wanted a room's name of at most 100 characters in a line, found {shown(value)}")
+    raise VdoorError(f"map.json: wanted a room name of one line and at most 100 characters, found {shown(value)}")
 
 
 def _point(values: Sequence[object]) -> tuple[float, float]:
@@ -231,7 +231,7 @@ def _points(points_m: Sequence[tuple[float, float]]) -> NDArray[np.float64]:
 
 @contextmanager
 def _naming(folder: Path) -> Iterator[None]:
-    """Put the folder behind errors, and make errors of what a document of another shape leads to."""
+    """Append the folder to errors, and convert exceptions caused by an invalid document to `VdoorError`."""
     try:
         yield
     except VdoorError as error:
@@ -239,4 +239,4 @@ def _naming(folder: Path) -> Iterator[None]:
     except KeyError as error:
         raise VdoorError(f"map.json: wanted the key {error.args[0]}, found none: {folder}") from error
     except (TypeError, ValueError, OverflowError, IndexError, AttributeError) as error:
-        raise VdoorError(f"map.json: wanted what `vdoor run --out` writes, found something else: {folder}") from error
+        raise VdoorError(f"map.json: wanted a file from `vdoor run --out`, found something else: {folder}") from error

@@ -1,4 +1,4 @@
-"""The result as files: rooms.png with rooms.yaml, grid.png, map.json. Later commands need nothing else."""
+"""The result as files: rooms.png with rooms.yaml, grid.png, map.json; later commands need nothing else."""
 
 from __future__ import annotations
 
@@ -23,14 +23,14 @@ from vdoor.grid import Annotations, OccupancyGrid
 from vdoor.topology import Door, Room, TopologicalMap
 
 SCHEMA = 1
-"""Raised when a key goes or changes its meaning; new ones may come without."""
+"""Incremented when a key is removed or changes its meaning; added keys do not change it."""
 NAMES = ("rooms.png", "rooms.yaml", "grid.png", "map.json")
 MOST_ROOMS = 65_535
 GREY_OCCUPIED, GREY_UNKNOWN, GREY_FREE = 0, 205, 254
 
 
 def write_result(folder: Path, grid: OccupancyGrid, topology: TopologicalMap, document: Mapping[str, Any]) -> None:
-    """Write the four files into `folder`, made if missing; each appears when it is whole."""
+    """Write the four files into `folder`, created if missing; each file appears once it is complete."""
     refuse_high_ids(folder, topology)
     contents = (
         png(topology.labels.astype(np.uint16)),
@@ -44,15 +44,16 @@ def write_result(folder: Path, grid: OccupancyGrid, topology: TopologicalMap, do
 
 
 def refuse_high_ids(folder: Path, topology: TopologicalMap) -> None:
-    """VdoorError where a room's id is more than a label image holds."""
+    """Raise VdoorError if a room id is too high for a 16-bit label image."""
     if (most := int(topology.labels.max(initial=0))) > MOST_ROOMS:
         raise VdoorError(f"rooms.png: wanted room ids up to {MOST_ROOMS}, found {most}: {folder}")
 
 
 def rewritten(folder: Path, topology: TopologicalMap, edits: Sequence[str]) -> list[tuple[Path, bytes]]:
-    """What the files of a result folder are to hold for an edited map; `edits` are all that have led to it.
+    """The new contents of a result folder's files for an edited map; `edits` are all edits that led to it.
 
-    Raises `VdoorError` where they cannot hold it: made before any of them is written, so that all stay as they are.
+    Raises `VdoorError` if the map cannot be stored. All contents are made before any file is written, so that an error
+    leaves the folder unchanged.
     """
     refuse_high_ids(folder, topology)
     document = json.loads((folder / "map.json").read_text(encoding="utf-8"))
@@ -60,13 +61,13 @@ def rewritten(folder: Path, topology: TopologicalMap, edits: Sequence[str]) -> l
     document["settings"]["edit"] = document["settings"].get("edit", {}) | {"edits": list(edits)}
     try:
         text = json.dumps(document, indent=1, allow_nan=False) + "\n"
-    except ValueError as error:  # such as NaN, which Python reads and JSON does not have
+    except ValueError as error:  # such as NaN, which Python reads although it is not valid JSON
         raise VdoorError(f"map.json: wanted finite numbers, found others: {folder}") from error
     return [(folder / "rooms.png", png(topology.labels.astype(np.uint16))), (folder / "map.json", text.encode())]
 
 
 def document_of(topology: TopologicalMap, info: RunInfo, timings_s: Mapping[str, float]) -> dict[str, Any]:
-    """What map.json says: lengths in metres, points as [x, y] in the map frame."""
+    """The content of map.json: lengths in metres, points as [x, y] in the map frame."""
     frame = topology.frame
     annotations = read_annotations(info.source)
     return {
@@ -101,7 +102,7 @@ def _graph(topology: TopologicalMap) -> dict[str, Any]:
 
 
 def _annotations(annotations: Annotations) -> dict[str, Any]:
-    """All but the label image, which the map's own file holds."""
+    """The annotations as a table, without the label image, which is in the map file."""
     fields = dataclasses.asdict(annotations)
     del fields["labels"]
     return fields
@@ -121,7 +122,7 @@ def _door(door: Door) -> dict[str, Any]:
 
 
 def greys(grid: OccupancyGrid) -> NDArray[np.uint8]:
-    """The grid in map_server's three greys (h, w)."""
+    """The grid (h, w) in map_server's three grey values."""
     grey = np.full(grid.cells.shape, GREY_UNKNOWN, np.uint8)
     grey[grid.free] = GREY_FREE
     grey[grid.occupied] = GREY_OCCUPIED
@@ -129,14 +130,14 @@ def greys(grid: OccupancyGrid) -> NDArray[np.uint8]:
 
 
 def png(image: NDArray[np.uint8] | NDArray[np.uint16]) -> bytes:
-    """A PNG of 8 or 16 bits grey."""
+    """An 8-bit or 16-bit grey PNG."""
     buffer = io.BytesIO()
     Image.fromarray(image).save(buffer, format="png", compress_level=4)
     return buffer.getvalue()
 
 
 def map_server_yaml(grid: OccupancyGrid, image: str, *, mode: str = "raw") -> bytes:
-    """What ROS map_server reads beside an image of the grid's shape."""
+    """The YAML file that ROS map_server needs with an image of the grid's shape."""
     frame = grid.frame
     return yaml.safe_dump(
         {

@@ -1,1 +1,1 @@
-"""How likely each virtual door is a real one: features of walls, space and detour, and the curves that weigh them."""
+"""How likely each virtual door is real: features of walls, space and detour, and the curves that weight them."""

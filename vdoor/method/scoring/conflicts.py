@@ -1,4 +1,4 @@
-"""Virtual doors that cannot all be real: those that cross, or lie near each other."""
+"""Conflicts: pairs of virtual doors that cannot both be real because they cross or are close to each other."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ Mask = NDArray[np.bool_]
 PARALLEL = 0.8
 """Doors whose directions have a greater cosine count as parallel."""
 BESIDE_M, WIDEST_M = 0.25, 1.5
-"""Parallel doors conflict if their middles are nearer than half the shorter one, of which at most `WIDEST_M` counts,
-and `BESIDE_M`: then they close one opening."""
+"""Parallel doors conflict if their middles are closer than half the shorter one's length, capped at `WIDEST_M`, plus
+`BESIDE_M`: then they close the same opening."""
 TIP = 0.02
-"""Share of a segment at either end in which a crossing does not count: a common jamb."""
+"""Share of a segment at each end where a crossing does not count, so that doors may share a jamb."""
 
 
 def suppressed(door: Segments, log_odds: Floats, near_m: float) -> Mask:
-    """Which doors (k,) have a likelier one with its middle nearer than `near_m`."""
+    """Which doors (k,) have a likelier one whose middle is within `near_m` of theirs."""
     lost = np.zeros(len(log_odds), np.bool_)
     if len(log_odds):
         pairs = cKDTree(door.middle).query_pairs(near_m / door.cell_m, output_type="ndarray")
@@ -35,7 +35,7 @@ def suppressed(door: Segments, log_odds: Floats, near_m: float) -> Mask:
 
 
 def conflicts(door: Segments, among: Index, apart_m: float) -> Index:
-    """Pairs (m, 2), sorted, of doors that cross, lie near each other, or side by side across one opening."""
+    """Conflicts: sorted pairs (m, 2) of the doors `among` that cross, are close, or are parallel in one opening."""
     if not len(among):
         return np.zeros((0, 2), np.intp)
     reach = max(apart_m / door.cell_m, float(door.length[among].max()))
@@ -51,7 +51,7 @@ def conflicts(door: Segments, among: Index, apart_m: float) -> Index:
 
 
 def surest(door: Segments, log_odds: Floats, least_log_odds: float, apart_m: float) -> Index:
-    """Doors (m,) above `least_log_odds`, ascending, none in conflict with a likelier one among them."""
+    """The doors (m,) above `least_log_odds`, ascending, chosen greedily without conflicts, the likeliest first."""
     likely = np.flatnonzero(log_odds > least_log_odds)
     place = np.empty(len(log_odds), np.intp)
     order = likely[np.lexsort((likely, -log_odds[likely]))]
@@ -69,7 +69,7 @@ def surest(door: Segments, log_odds: Floats, least_log_odds: float, apart_m: flo
 
 
 def crossing(door: Segments, a: Index, b: Index) -> Mask:
-    """Whether segments (k,) cross, a common end left out."""
+    """Whether segments (k,) cross, other than at a common end."""
     span_a, span_b = door.end[a] - door.start[a], door.end[b] - door.start[b]
     between = door.start[b] - door.start[a]
     turn = functools.partial(lambda one, other: one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0])

@@ -1,4 +1,4 @@
-"""Features of a virtual door: the detour around it along the wall, and the area that it cuts off."""
+"""Features of a virtual door: the detour around it along the wall, and the area it cuts off."""
 
 from __future__ import annotations
 
@@ -16,15 +16,15 @@ Ints = NDArray[np.int64]
 Samples = NDArray[np.int32]
 
 TYPICAL = {"arc_log": 2.8, "arc_ratio_log": 2.8, "cut_off_log": 2.2, "cut_off_ratio_log": 2.2, "islet_log": 4.0}
-"""Values of a typical real door, where a feature has none."""
+"""Values of a typical real door, used where a feature is undefined."""
 LEAST_M, LEAST_M2, MOST_M2 = 0.05, 0.05, 1000.0
-"""Lengths and areas are clipped to these before their logarithm is taken: a cell of 5 cm, and larger than any room."""
+"""Limits for lengths and areas before taking logarithms: a cell of 5 cm, and more than any room."""
 
 
 def detours(
     path: BoundaryPath, door: Segments, doors: VirtualDoors, rows: Ints, corner_sample: NDArray[np.int32]
 ) -> dict[str, Floats]:
-    """How long the detour along the wall is, and how much area the door would cut off."""
+    """The features of the detour along the wall, and of the area that the door would cut off."""
     one = corner_sample[doors.corner_start[rows]]
     tree = cKDTree(path.half.astype(np.float64))
     _, nearest = tree.query(2 * doors.end[rows] + 1.0)
@@ -41,7 +41,7 @@ def detours(
         "cut_off_ratio_log": np.log(area_m2 / length_m**2),
     }
     islet = np.log(np.maximum(np.minimum(whole_m[one], whole_m[other]), LEAST_M))
-    # A detour exists on one contour only, an islet on two: the features of the other case get a typical value.
+    # A detour requires both ends on one contour, an islet on two: features of the other case get a typical value.
     return {
         "same_contour": same.astype(np.float64),
         **{name: np.where(same, values, TYPICAL[name]) for name, values in own.items()},
@@ -50,7 +50,7 @@ def detours(
 
 
 def _cut_off_m2(path: BoundaryPath, one: NDArray[np.int32], other: NDArray[np.int32]) -> Floats:
-    """Area (k,) between the chord of two samples of a contour and the contour, on the smaller side."""
+    """The area (k,) between a contour and the chord of two of its samples, on the smaller side."""
     at = path.half.astype(np.float64)
     after = np.arange(1, len(at) + 1)
     count = np.diff(np.append(path.first, len(at)))

@@ -62,11 +62,11 @@ FIRST = (
     "island_m",
     "longer_than_rival_m",
 )
-"""Of pass 1, which finds the surest doors."""
-RIVAL_M = 0.6
-"""Doors with their middles nearer than this compete for one opening."""
+"""Features of pass 1, which finds the surest doors."""
+CONFLICT_M = 0.6
+"""Doors whose middles are closer than this compete for the same opening."""
 FEATURES = (*FIRST, *SHUT)
-"""Of pass 2, in which those are closed."""
+"""Features of pass 2, in which the surest doors are closed."""
 
 
 def first_features(
@@ -78,7 +78,7 @@ def first_features(
     *,
     distance: Padded,
 ) -> Floats:
-    """The values (k, features) of `FIRST` for the chosen rows of `doors`; `distance` is that of `room_around`."""
+    """The values (k, features) of `FIRST` for some rows of `doors`; `distance` is the result of `room_around`."""
     free = simplified.cells == FREE
     door = Segments(doors, rows)
     found: dict[str, Floats] = {"length_m": door.length_m}
@@ -97,7 +97,7 @@ def first_features(
 
 
 def removed_on_the_line(simplified: SimplifiedGrid, doors: VirtualDoors, rows: Ints) -> dict[str, Floats]:
-    """Length of islands that were removed on the door's own cells."""
+    """The length of removed islands on the door's own cells."""
     number = np.full(len(doors.verdict), -1)
     number[rows] = np.arange(len(rows))
     on = number[doors.line_door] >= 0
@@ -107,8 +107,8 @@ def removed_on_the_line(simplified: SimplifiedGrid, doors: VirtualDoors, rows: I
     return {"island_m": np.asarray(island * simplified.frame.resolution_m, np.float64)}
 
 
-def longer_than_rival(door: Segments, near_m: float = RIVAL_M) -> Floats:
-    """How much longer the door is than the shortest one with its middle nearby."""
+def longer_than_rival(door: Segments, near_m: float = CONFLICT_M) -> Floats:
+    """How much longer (k,) each door is, in metres, than the shortest of those that compete for its opening."""
     if not len(door.length):
         return np.zeros(0)
     pairs = cKDTree(door.middle).query_pairs(near_m / door.cell_m, output_type="ndarray")

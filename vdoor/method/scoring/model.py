@@ -1,4 +1,4 @@
-"""How likely a virtual door is a real one: a sum of one curve a feature, fitted beforehand (`vdoor train`)."""
+"""How likely a virtual door is real: a sum of one curve per feature, fitted beforehand by `vdoor train`."""
 
 from __future__ import annotations
 
@@ -25,87 +25,88 @@ MOST, MOST_BYTES = 1e6, 1_000_000
 
 @dataclass(frozen=True)
 class Curve:
-    """What a feature's value says: log-odds at a few values, straight in between and level beyond."""
+    """Log-odds as a piecewise linear function of a feature's value, constant outside the given values."""
 
     at: tuple[float, ...]
+    """The values, ascending."""
     clean: tuple[float, ...]
-    """Where the map is drawn or neatly scanned."""
+    """Log-odds on clean maps: drawn or neatly scanned."""
     rough: tuple[float, ...]
-    """Where walls are ragged and furniture stands about."""
+    """Log-odds on rough maps: with ragged walls and furniture."""
 
     def says(self, values: Floats, share_rough: float) -> Floats:
-        """Log-odds (k,) for values (k,)."""
+        """The log-odds (k,) for values (k,)."""
         both = np.array(self.clean) * (1 - share_rough) + np.array(self.rough) * share_rough
         return np.interp(values, self.at, both)
 
 
 @dataclass(frozen=True)
 class Rough:
-    """Which maps count as ragged."""
+    """How rough a map is, as a logistic function of the logarithm of its corners per metre of boundary."""
 
     middle_per_m: float = 0.75
-    """Corners per metre of boundary at which a map counts as half rough: floors have 0.2 to 0.7, homes 1 to 2.5."""
+    """Corners per metre at which a map is half rough: office floors have 0.2 to 0.7, homes 1 to 2.5."""
     softness: float = 0.24
-    """How far from that, as a factor's logarithm, the share of rough changes by one unit of log-odds."""
+    """Change of the logarithm of corners per metre that changes the log-odds of rough by 1."""
 
     def share(self, corners_per_m: float) -> float:
-        """How much a map counts as rough, 0 to 1."""
+        """How rough a map is, 0 to 1."""
         away = math.log(max(corners_per_m, 1e-3) / self.middle_per_m) / self.softness
         return 1 / (1 + math.exp(-min(max(away, -30.0), 30.0)))
 
 
 @dataclass(frozen=True)
 class Curves:
-    """Curves by feature; their sum and the bias are the log-odds of a door."""
+    """Curves by feature; the log-odds of a door are their sum plus the bias."""
 
     curves: Mapping[str, Curve]
     bias_clean: float
     bias_rough: float
 
     def bias(self, share_rough: float) -> float:
-        """Log-odds of a door of which nothing is known."""
+        """The log-odds of a door before any feature is counted."""
         return self.bias_clean * (1 - share_rough) + self.bias_rough * share_rough
 
     def says(self, features: Floats, share_rough: float) -> Floats:
-        """What each feature says (k, features), in the order of `curves`."""
+        """The log-odds (k, features) from each feature, in the order of `curves`."""
         columns = [curve.says(features[:, at], share_rough) for at, curve in enumerate(self.curves.values())]
         return np.stack(columns, axis=1) if columns else np.zeros((len(features), 0))
 
     def log_odds(self, features: Floats, share_rough: float) -> Floats:
-        """Log-odds (k,) that doors with these features (k, features) are real.
+        """The log-odds (k,) that doors with these features (k, features) are real.
 
-        Rounded to billionths, so that doors that are alike are equally likely on every machine.
+        Rounded to 1e-9, so that equivalent doors are equally likely on every machine.
         """
         return np.asarray(np.round(self.says(features, share_rough).sum(axis=1) + self.bias(share_rough), 9))
 
 
 @dataclass(frozen=True)
 class DoorModel:
-    """What is said of a door at a first look, and once the surest doors are shut."""
+    """The curves of pass 1, and of pass 2, in which the surest doors are closed."""
 
     first: Curves
-    """For `FIRST`."""
+    """Pass 1: curves of the features `FIRST`."""
     last: Curves
-    """For `FEATURES`."""
+    """Pass 2: curves of the features `FEATURES`."""
     rough: Rough
     made: Mapping[str, Any]
-    """By which command, from which maps and seed."""
+    """How the model was made: the command, maps and seed."""
 
 
 def model_from(table: Mapping[str, Any]) -> DoorModel:
-    """The model in a table as `table_of` makes it."""
-    first, last = (_curves(table[look], names) for look, names in (("first", FIRST), ("last", FEATURES)))
+    """The model in a table made by `table_of`; raises ValueError and similar exceptions for an invalid one."""
+    first, last = (_curves(table[key], names) for key, names in (("first", FIRST), ("last", FEATURES)))
     middle_per_m, softness = (_number(table["rough"][name]) for name in ("middle_per_m", "softness"))
     if min(middle_per_m, softness) <= 0:
-        raise ValueError("rough: a number that is not above 0")
+        raise ValueError("rough: a number that is not positive")
     return DoorModel(first, last, Rough(middle_per_m, softness), dict(table["made"]))
 
 
 def _curves(table: Mapping[str, Any], names: tuple[str, ...]) -> Curves:
-    """The curves of one look, which are for these features."""
+    """The curves of one pass; raises ValueError unless they are for the features `names`, in this order."""
     if tuple(table["curves"]) != names:
         other = sorted({*names} ^ {*table["curves"]})
-        raise ValueError(f"curves for other features: {', '.join(other[:3]) or 'in another order'}")
+        raise ValueError(f"curves for different features: {', '.join(other[:3]) or 'in a different order'}")
     curves = {
         name: _curve(name, *(curve[part] for part in ("at", "clean", "rough")))
         for name, curve in table["curves"].items()
@@ -114,22 +115,22 @@ def _curves(table: Mapping[str, Any], names: tuple[str, ...]) -> Curves:
 
 
 def _number(value: object) -> float:
-    """The value, if it is a number that log-odds can have."""
+    """The value as float; raises ValueError unless it is a number up to `MOST`."""
     if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) <= MOST:
-        raise ValueError(f"{str(value)[:40]!r} for a number")
+        raise ValueError(f"{str(value)[:40]!r} instead of a number")
     return float(value)
 
 
 def _curve(name: str, at: Any, clean: Any, rough: Any) -> Curve:
-    """A curve with as many values as places, and places that ascend."""
+    """A curve; raises ValueError unless its values ascend and each has log-odds."""
     curve = Curve(*(tuple(map(_number, part)) for part in (at, clean, rough)))
     if not 0 < len(curve.at) == len(curve.clean) == len(curve.rough) or list(curve.at) != sorted(set(curve.at)):
-        raise ValueError(f"{name}: a curve whose places do not ascend or have no value")
+        raise ValueError(f"{name}: a curve whose values do not ascend, or lack log-odds")
     return curve
 
 
 def table_of(model: DoorModel) -> dict[str, Any]:
-    """The model as a table for JSON, how it was made first."""
+    """The model as a table for JSON, starting with how it was made."""
     return {
         "made": dict(model.made),
         "rough": {"middle_per_m": model.rough.middle_per_m, "softness": model.rough.softness},
@@ -138,19 +139,19 @@ def table_of(model: DoorModel) -> dict[str, Any]:
     }
 
 
-def _table(look: Curves) -> dict[str, Any]:
+def _table(curves: Curves) -> dict[str, Any]:
     return {
-        "bias": {"clean": look.bias_clean, "rough": look.bias_rough},
+        "bias": {"clean": curves.bias_clean, "rough": curves.bias_rough},
         "curves": {
             name: {"at": list(curve.at), "clean": list(curve.clean), "rough": list(curve.rough)}
-            for name, curve in look.curves.items()
+            for name, curve in curves.curves.items()
         },
     }
 
 
 @functools.cache
 def model_named(name: str) -> DoorModel:
-    """The shipped model, or the one in a file; SettingError where that is none, or has curves for other features."""
+    """The shipped model, or the one in a file; raises SettingError if it is invalid or for different features."""
     try:
         return model_from(json.loads(_text(name)))
     except OSError as error:
@@ -158,12 +159,12 @@ def model_named(name: str) -> DoorModel:
             f"score.model: wanted {SHIPPED!r} or a readable file, found {error.strerror}: {name}"
         ) from error
     except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
-        found = f"none called {error}" if isinstance(error, KeyError) else str(error)
-        raise SettingError(f"score.model: wanted curves as `vdoor train` writes them, found {found}: {name}") from error
+        found = f"no key {error}" if isinstance(error, KeyError) else str(error)
+        raise SettingError(f"score.model: wanted a file from `vdoor train`, found {found}: {name}") from error
 
 
 def _text(name: str) -> str:
-    """What the file holds; ValueError where it is no plain file of a model's size."""
+    """The text of a model's file; raises ValueError unless it is a regular file of plausible size."""
     if name == SHIPPED:
         return resources.files("vdoor.method.scoring").joinpath(FILE).read_text(encoding="utf-8")
     path = Path(name)

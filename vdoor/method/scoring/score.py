@@ -1,4 +1,4 @@
-"""How likely each virtual door is a real one: log-odds from its features, which are on record."""
+"""How likely each virtual door is real: log-odds from its features, which are recorded."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from vdoor.grid import FREE
 from vdoor.method.boundary import BoundaryPath
 from vdoor.method.corners import Corners
 from vdoor.method.doors import PROPOSED, VirtualDoors
-from vdoor.method.scoring.closed_features import shut_features
+from vdoor.method.scoring.closed_features import closed_features
 from vdoor.method.scoring.conflicts import conflicts, suppressed, surest
 from vdoor.method.scoring.features import FEATURES, first_features
 from vdoor.method.scoring.model import SHIPPED, Curves, model_named
@@ -32,7 +32,7 @@ LIKELY = JUDGEMENTS.index("likely")
 
 
 class DoorScores(Record):
-    """Proposed doors with what speaks for and against them; the search decides among the likely ones."""
+    """Proposed doors with the evidence for and against them; the search chooses among the likely ones."""
 
     topic: ClassVar[str] = "door_scores"
 
@@ -40,54 +40,55 @@ class DoorScores(Record):
     door: Annotated[NDArray[np.int32], Spec("column", "scored", of="doors.start")]
     """Row in `VirtualDoors`."""
     log_odds: Annotated[NDArray[np.float64], Spec("column", "scored", tolerance=1e-6)]
-    """That it is a real door: 0 is one in two, 3 is twenty to one."""
+    """Log-odds that the door is real: 0 is even odds, 3 is 20 to 1."""
     judgement: Annotated[NDArray[np.uint8], Spec("code", "scored", words=JUDGEMENTS)]
-    """Outdone: a better one lies across nearly the same place."""
+    """Outdone: a likelier door is in nearly the same place."""
     feature: Annotated[NDArray[np.float64], Spec("column", f"scored {len(FEATURES)}", tolerance=1e-6)]
     """The values of `FEATURES`, in that order."""
     sure: Annotated[NDArray[np.bool_], Spec("column", "scored")]
-    """Closed in pass 2."""
+    """Whether the door is closed in pass 2."""
     rival_a: Annotated[NDArray[np.int32], Spec("column", "rival", of="door_scores.door")]
     rival_b: Annotated[NDArray[np.int32], Spec("column", "rival", of="door_scores.door")]
-    """Pairs of likely doors (rows here, a < b, sorted) of which at most one can be real."""
+    """Conflicts: pairs of likely doors (rows here, a < b, sorted) of which at most one can be real."""
     corners_per_m: Annotated[float, Spec("number", unit="1/m", tolerance=1e-9)]
-    """Of boundary: how ragged the map is."""
+    """Corners per metre of boundary, a measure of how rough the map is."""
     share_rough: Annotated[float, Spec("number", tolerance=1e-9)]
-    """How much the curves for ragged maps count, 0 to 1."""
+    """Weight of the curves for rough maps, 0 to 1."""
     frame: Frame
 
 
 @dataclass(frozen=True, kw_only=True)
 class NoScores:
-    """Every virtual door counts alike (paper)."""
+    """All virtual doors are equally likely (paper)."""
 
     def __call__(self, simplified: SimplifiedGrid, path: BoundaryPath, corners: Corners, doors: VirtualDoors) -> None:
-        """Nothing."""
+        """No scores."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class ScoreDoors:
-    """Score the proposed doors in two passes, the second with the surest ones closed, and list those in conflict."""
+    """Score the proposed doors in two passes, the second with the surest ones closed, and find conflicts."""
 
     least_log_odds: Annotated[float, Within(-100, 100)] = -6.0
-    """Less likely doors are left out of the search. An unlikely one may still close the last gap beside likely ones."""
+    """Doors less likely than this are left out of the search. The limit is low because an unlikely door may be needed
+    to close the last gap beside likely ones."""
     same_place_m: Annotated[float, Within(0, 5)] = 0.25
-    """Of two doors whose middles are nearer than this only the likelier is searched."""
+    """Of two doors whose middles are closer than this, only the likelier is searched."""
     apart_m: Annotated[float, Within(0, 5)] = 0.6
-    """Two real doors have their middles at least this far apart."""
+    """Doors whose middles are closer than this are in conflict."""
     sure_log_odds: Annotated[float, Within(-100, 100)] = 0.5
     """Doors likelier than this in pass 1 are closed in pass 2."""
     model: str = SHIPPED
-    """The curves: those that ship with the package, or the path of a file that `vdoor train` wrote."""
+    """The curves: shipped with the package, or the path of a file written by `vdoor train`."""
 
     def __call__(
         self, simplified: SimplifiedGrid, path: BoundaryPath, corners: Corners, doors: VirtualDoors
     ) -> DoorScores:
-        """Scores in the order of the proposed doors."""
+        """The scores, in the order of the proposed doors."""
         model = model_named(self.model)
         rows = np.flatnonzero(doors.verdict == PROPOSED)
-        ragged = corners_per_m(path, corners)
-        share_rough = model.rough.share(ragged)
+        roughness_per_m = corners_per_m(path, corners)
+        share_rough = model.rough.share(roughness_per_m)
         feature, sure = self.features(simplified, path, corners, doors, first_pass=model.first, share_rough=share_rough)
         log_odds = model.last.log_odds(feature, share_rough)
         segments = Segments(doors, rows)
@@ -105,7 +106,7 @@ class ScoreDoors:
             sure=np.isin(np.arange(len(rows)), sure),
             rival_a=pairs[:, 0].astype(np.int32),
             rival_b=pairs[:, 1].astype(np.int32),
-            corners_per_m=ragged,
+            corners_per_m=roughness_per_m,
             share_rough=share_rough,
             frame=path.frame,
         )
@@ -120,16 +121,16 @@ class ScoreDoors:
         first_pass: Curves,
         share_rough: float,
     ) -> tuple[Floats, NDArray[np.intp]]:
-        """Values (k, features) of `FEATURES` for the proposed doors, and which (m,) of them were closed for that."""
+        """The values (k, features) of `FEATURES` for the proposed doors, and the doors (m,) closed in pass 2."""
         rows = np.flatnonzero(doors.verdict == PROPOSED)
         segments, free = Segments(doors, rows), simplified.cells == FREE
         distance = room_around(free)
         first = first_features(simplified, path, doors, rows, corners.sample, distance=distance)
         sure = surest(segments, first_pass.log_odds(first, share_rough), self.sure_log_odds, self.apart_m)
-        again = shut_features(free, segments, doors, rows, sure, distance=distance)
-        return np.concatenate([first, again], axis=1), sure
+        second = closed_features(free, segments, doors, rows, sure, distance=distance)
+        return np.concatenate([first, second], axis=1), sure
 
 
 def corners_per_m(path: BoundaryPath, corners: Corners) -> float:
-    """How ragged a map is: corners per metre of its boundary."""
+    """How rough a map is: corners per metre of its boundary."""
     return len(corners.sample) / max(float(path.length_m.sum()), path.frame.resolution_m)

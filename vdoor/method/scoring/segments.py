@@ -12,7 +12,7 @@ Ints = NDArray[np.int64]
 
 
 class Segments:
-    """Doors as segments between points (row, col) in cells, with directions along and across."""
+    """Doors as segments between points (row, col) in cells, with unit vectors along and across."""
 
     def __init__(self, doors: VirtualDoors, rows: Ints) -> None:
         self.cell_m = doors.frame.resolution_m
@@ -26,5 +26,5 @@ class Segments:
 
     @property
     def length_m(self) -> Floats:
-        """Between the middles of the end cells (k,)."""
+        """Length (k,) in metres between the centres of the end cells."""
         return np.asarray(self.length * self.cell_m)

@@ -1,4 +1,4 @@
-"""Features of a virtual door: the space before and behind it."""
+"""Features of a virtual door: the space on both sides of it."""
 
 from __future__ import annotations
 
@@ -16,18 +16,18 @@ CLEARANCE_REACHES_M = (0.6, 1.2, 2.0)
 BESIDE_M = (-0.3, -0.15, 0.0, 0.15, 0.3)
 BESIDE = ("wider_min_m", "wider_max_m", "wider_far_min_m", "wider_far_max_m", "depth_min_m", "depth_max_m")
 CLEARANCE = tuple(f"clear_{reach_m:g}_{which}_m" for reach_m in CLEARANCE_REACHES_M for which in ("min", "max"))
-"""Features that are measured by rays into the space before and behind a door."""
+"""Features measured by rays into the space on both sides of a door."""
 WIDTHS_AT_M = (0.4, 0.7)
-"""How far before and behind a door the width of the space is measured: past the wall, and past furniture at it."""
+"""Distances from the door at which the width of the space is measured: past the wall, and past furniture beside it."""
 FAR_M = 3.0
-"""Rays end here: what lies farther away says nothing about a door."""
+"""Longest ray: anything farther away is no evidence about a door."""
 UNSEEN = 1.5
-"""Cells by which two rays, to the left and to the right, fall short of the distance between the cells that end them:
-half a cell each, and a quarter on average, as rays go by half cells. Doors are measured between such cells."""
+"""Correction in cells for the sum of two opposite rays, to the distance between the cells that stop them (which is also
+how doors are measured): half a cell each, and a quarter on average, as rays advance by half cells."""
 
 
 def space_beside(open_: Padded, door: Segments) -> dict[str, Floats]:
-    """How much wider than the door the space is beside it, and how deep it is before it."""
+    """How much wider than the door the space on each side is, and how deep it is."""
     wider = {}
     for away_m in WIDTHS_AT_M:
         for name, sign in (("l", -1), ("r", 1)):
@@ -50,12 +50,12 @@ def space_beside(open_: Padded, door: Segments) -> dict[str, Floats]:
 
 
 def room_around(free: Mask) -> Padded:
-    """How far, in cells, each free cell is from the nearest one that is not, or from the map's edge."""
+    """The distance in cells of each free cell from the nearest one that is not free, or from outside the map."""
     return Padded(ndimage.distance_transform_edt(np.pad(free, 1))[1:-1, 1:-1], 0.0)
 
 
 def clearance(distance: Padded, open_: Padded, door: Segments) -> dict[str, Floats]:
-    """Whether space opens up behind the door: room around places met on the way, against half the door's length."""
+    """How much the space opens up on each side: the largest clearance along rays, minus half the door's length."""
     half_m = door.length_m / 2
     found = {"clear_middle_m": distance.at(*door.middle.T).astype(np.float64) * door.cell_m - half_m}
     steps = np.arange(1, max(1, int(max(CLEARANCE_REACHES_M) / door.cell_m * 2)) + 1) / 2

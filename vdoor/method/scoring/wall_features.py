@@ -1,4 +1,4 @@
-"""Features of a virtual door: the walls that it would close."""
+"""Features of a virtual door: the walls that it continues."""
 
 from __future__ import annotations
 
@@ -19,25 +19,25 @@ Mask = NDArray[np.bool_]
 WALL_RUN_M = 1.5
 """How far walls are followed from a door's ends: past a wardrobe, not past the next door."""
 CAPPED_RUN_M = 0.4
-"""A wall that goes on so far is a wall, however much longer it is."""
+"""Length at which capped runs stop counting: long enough to be a wall."""
 IN_WALL_M = 0.3
 """How far the door's line is followed inside the wall: walls of homes are up to 0.3 m thick."""
 JAMB_M = 0.1
-"""How far behind a door's end the wall's thickness is measured, and how far around it cells count as its end."""
+"""How far behind a door's end the wall's thickness is measured, and radius of the cells that count as its end."""
 THICKEST_M = 0.5
-"""How far from there to either side."""
+"""How far the thickness is measured to each side."""
 FACE_M = 0.35
-"""How far beside the door's line the face of its wall may lie: half the thickest wall, and a cell."""
+"""Largest distance of the wall's face from the door's line: half the thickest wall, plus a cell."""
 BAD_STEPS = 2
-"""Steps off the face that are allowed: a gap of a cell, and a speck."""
+"""Number of steps off the face that are tolerated: a gap of one cell, and a speck."""
 FACE_CELLS = 1.1
-"""How far, in cells, the face's offset may be from the first one: a cell, as walls are drawn, and rounding."""
+"""Tolerance of the face's offset from the first one in cells: one cell, as walls are drawn, plus rounding."""
 FACE_SLOPE = 0.05
-"""How far it may drift in addition, as a share of the way: walls lie slanted by up to 3 degrees."""
+"""Additional tolerance per step: walls are slanted by up to 3 degrees."""
 
 
 def in_wall(free: Mask, door: Segments) -> dict[str, Floats]:
-    """How far the door's line goes on inside the wall at either end, and how thick the wall is there."""
+    """How far the door's line continues inside the wall at each end, and how thick the wall is there."""
     solid = Padded(~free, True)
     reach = IN_WALL_M / door.cell_m
     on = np.stack([ray_lengths(solid, door.start, -door.along, reach), ray_lengths(solid, door.end, door.along, reach)])
@@ -46,7 +46,7 @@ def in_wall(free: Mask, door: Segments) -> dict[str, Floats]:
         inside = point + sign * door.along * (JAMB_M / door.cell_m)
         set_ = solid.at(*inside.T).astype(np.bool_)
         sides = [ray_lengths(solid, inside, s * door.normal, THICKEST_M / door.cell_m) for s in (-1, 1)]
-        thick.append(np.where(set_, sides[0] + sides[1] + 1, 0.0))  # and the cell that the rays start in
+        thick.append(np.where(set_, sides[0] + sides[1] + 1, 0.0))  # + 1: the cell in which the rays start
     both = np.stack(thick)
     return {
         "in_wall_min_m": on.min(axis=0) * door.cell_m,
@@ -58,7 +58,7 @@ def in_wall(free: Mask, door: Segments) -> dict[str, Floats]:
 
 
 def ends_known(simplified: SimplifiedGrid, door: Segments) -> dict[str, Floats]:
-    """Share of the cells around either end that are walls, not unknown: minimum over the ends."""
+    """The share of wall cells among the cells around each end that are not free; the minimum over the ends."""
     occupied = (simplified.cells == OCCUPIED).astype(np.float64)
     window = 2 * max(1, round(JAMB_M / door.cell_m)) + 1
     share = Padded(ndimage.uniform_filter(occupied, window, mode="constant"), 0.0)
@@ -68,7 +68,7 @@ def ends_known(simplified: SimplifiedGrid, door: Segments) -> dict[str, Floats]:
 
 
 def wall_runs(free: Mask, door: Segments) -> dict[str, Floats]:
-    """How far the walls that the door would close go on in its direction, faces straight, beyond either end."""
+    """How far the faces of the walls continue straight in the door's direction beyond each end."""
     grid = Padded(free, False)
     steps = max(1, int(WALL_RUN_M / door.cell_m))
     run, face = np.zeros((2, 2, len(door.length))), np.zeros((2, 2, len(door.length)))
@@ -95,9 +95,9 @@ def wall_runs(free: Mask, door: Segments) -> dict[str, Floats]:
 def _face_run(
     grid: Padded, point: Floats, ways: tuple[Floats, Floats], depth: Floats, steps: int
 ) -> tuple[Floats, Floats]:
-    """How many steps the wall's face goes on outward from an end, and the face's offset at its beginning, in cells.
+    """The number of steps that the wall's face continues outward from an end, and its offset there in cells.
 
-    The face is the first free cell across from the door's line. `BAD_STEPS` are allowed, and its offset may drift.
+    The face is the first free cell sideways from the door's line. `BAD_STEPS` are tolerated, and the offset may drift.
     """
     out, across = ways
     at = np.arange(1, steps + 1, dtype=np.float64)

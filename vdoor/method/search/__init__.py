@@ -1,1 +1,1 @@
-"""Section III: the choice of doors as a problem, what a choice costs, the optimisers, and a bound on the optimum."""
+"""Section III: the choice of doors as an optimisation problem, its costs, optimisers, and a bound on the optimum."""

@@ -1,4 +1,4 @@
-"""How good the choice of doors can be at best: a bound on the energy, and how far the search is from it."""
+"""A lower bound on the energy of any choice of doors, and the search result's gap to it."""
 
 from __future__ import annotations
 
@@ -22,47 +22,47 @@ Index = NDArray[np.intp]
 
 EPSILON = 1e-6
 MOST_NODES = 1_000_000
-"""All choices of a block are tried up to so many nodes of the map in all of them."""
+"""Limit for enumerating all choices of a block: the number of choices times the number of nodes."""
 
 
 class Certificate(Record):
-    """What can be proven about the best choice."""
+    """What is proven about the best choice."""
 
     topic: ClassVar[str] = "certificate"
 
     cost: Annotated[float, Spec("number", tolerance=1e-6)]
     lower_bound: Annotated[float, Spec("number", tolerance=1e-6)]
-    """No choice costs less."""
+    """No choice costs less than this."""
     gap: Annotated[float, Spec("number", tolerance=1e-6)]
-    """Log-odds between the two, 0 where the choice is optimal; where many doors depend on each other, the bound counts
-    those around which one can walk, and leaves out what their rooms lack."""
+    """Cost minus bound, in log-odds; 0 if the choice is optimal. For large blocks of interdependent doors the bound
+    also counts doors that separate nothing, and ignores the area that rooms lack."""
     optimal: Annotated[int, Spec("count")]
-    """1 where that is proven."""
+    """1 if the choice is proven optimal, else 0."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class NoProof:
-    """Nothing is proven (paper)."""
+    """Prove nothing (paper)."""
 
     def __call__(self, problem: MergeProblem, best: Generation) -> None:
-        """Nothing."""
+        """No certificate."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class BoundEnergy:
-    """Bound the energy from below, block by block of doors that depend on each other.
+    """Bound the energy from below, for each block of interdependent doors.
 
-    Of a few doors all choices are tried. Of many, the best without conflicts is found as an integer programme (a
-    maximum-weight independent set), as if each of them parted rooms, were a further one between them, and made none
-    that lacks area. So where the choice found reaches the bound it is optimal.
+    For a small block, all choices are evaluated. For a large one, an integer programme finds the best choice without
+    conflicts (a maximum-weight independent set), assuming that every door separates rooms, gets the bias of a further
+    door, and creates no room that lacks area. A choice that reaches the bound is therefore optimal.
     """
 
     most_nodes: Annotated[int, Within(0, 10_000_000)] = 1000
-    """The solver visits at most so many nodes, whatever time that takes; if it does not finish, the bound of the linear
-    relaxation is recorded."""
+    """Limit of branch-and-bound nodes for the integer programme, instead of a time limit, so that runs are
+    reproducible; if it is reached, the bound of the linear relaxation is recorded."""
 
     def __call__(self, problem: MergeProblem, best: Generation) -> Certificate | None:
-        """The certificate of the choice; none where it was not the energy that was searched."""
+        """The certificate of the choice; None if the search did not minimise the energy."""
         if not problem.cost.counts_separating:
             return None
         nothing = float(problem.evaluate(np.ones((1, problem.edges), np.bool_)).cost[0])
@@ -78,30 +78,30 @@ class BoundEnergy:
 
 
 def gain_of_few(problem: MergeProblem, blocks: Iterable[Index]) -> float:
-    """Greatest sum of what doors save, over all choices from each of these blocks.
+    """The largest total saving, over all choices of doors in each of these blocks.
 
-    What their rooms lack counts: where other blocks' doors are kept as well the rooms are smaller, and lack more.
+    The area that rooms lack counts: with doors of other blocks kept as well, rooms are only smaller and lack more.
     """
     total = 0.0
     for block in blocks:
         removed = np.ones((2 ** len(block), problem.edges), np.bool_)
         removed[:, block] = np.arange(len(removed))[::-1, None] >> np.arange(len(block)) & 1
         cost = problem.evaluate(removed).cost
-        total += float(cost[0] - cost.min())  # the first choice is of no door
+        total += float(cost[0] - cost.min())  # the first choice keeps no door
     return total
 
 
 def gain_of_many(problem: MergeProblem, doors: Index, most_nodes: int) -> float:
-    """Greatest sum of what these doors gain over all sets without conflicts, or a bound above it.
+    """The largest total gain over all sets of these doors without conflicts, or an upper bound of it.
 
-    Where the solver does not finish, its bound depends on the order in which it branched, and so on last bits; the
-    optimum of the relaxation, in which doors may be kept in part, does not.
+    If the solver does not finish, its bound would depend on the order of branching, and so on the last bits of the
+    input. The optimum of the linear relaxation, in which doors may be kept fractionally, does not.
     """
     gain = np.zeros(problem.edges)
     gain[doors] = problem.most_gain[doors]
     wanted = gain > 0
     pairs = problem.conflicts[:, wanted[problem.conflicts].all(axis=0)]
-    # Only where a clash costs more than the lesser of both doors gains, no best choice keeps both.
+    # A best choice keeps at most one of two doors only if their conflict costs more than the lesser of them gains.
     pairs = pairs[:, gain[pairs].min(axis=0) <= problem.cost.conflict_weight]
     if not pairs.shape[1]:
         return float(gain.sum())
@@ -121,18 +121,18 @@ def gain_of_many(problem: MergeProblem, doors: Index, most_nodes: int) -> float:
 
 
 def blocks(problem: MergeProblem) -> list[Index]:
-    """The doors (edges,) in groups, such that what a door parts depends on the kept doors of its own group alone.
+    """The doors in blocks (arrays of edges), such that what a door separates depends only on kept doors of its block.
 
-    One can walk around a door only through doors that lie on a closed way with it. In the graph of regions and doors
-    these are in one biconnected component with it; doors that touch each other are one vertex of that graph.
+    The way around a door leads only through doors that are on a cycle with it. In the graph of regions and doors these
+    are in the same biconnected component. Doors that touch or conflict are one vertex of that graph.
     """
     touching = _touching(problem)
     group = components(np.concatenate([touching, problem.conflicts], axis=1), problem.edges)
-    # Regions count from 0 on, groups from -1 downwards.
+    # Regions are numbered from 0 upwards, groups of doors from -1 downwards.
     graph: Graph[int] = Graph()
     graph.add_edges_from(zip(problem.border_region.tolist(), (-1 - group[problem.border_edge]).tolist(), strict=True))
     together = []
-    # Vertices, whatever the stubs of networkx say.
+    # The components are sets of vertices; networkx's stubs are wrong.
     for component in cast("Iterator[set[int]]", biconnected_components(graph)):
         groups = sorted(-1 - vertex for vertex in component if vertex < 0)
         together += [(groups[0], other) for other in groups[1:]]
@@ -145,7 +145,7 @@ def blocks(problem: MergeProblem) -> list[Index]:
 
 
 def _touching(problem: MergeProblem) -> Index:
-    """Pairs (2, k) of doors that cover a common node, or neighbouring ones."""
+    """Pairs (2, k) of doors that cover the same node or neighbouring nodes."""
     count = np.diff(np.append(problem.cover_start, len(problem.cover_edge)))
     node = problem.regions + np.repeat(np.arange(len(count)), count)
     size = problem.edges, len(problem.cells)

@@ -1,4 +1,4 @@
-"""Section III: what a choice of doors costs, by eq. 7 or by the energy of scored doors."""
+"""Section III: the cost of a choice of doors, by eq. 7 or as the energy of scored doors."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ Number = Any  # a number, or an array (p,) of them
 
 
 class Cost(Protocol):
-    """What a choice of doors costs: eq. 7, or the energy of scored doors."""
+    """The cost of a choice of doors: eq. 7, or the energy of scored doors."""
 
     counts_separating: ClassVar[bool]
-    """Whether kept doors count by what they separate; only then can the choice be bounded."""
+    """Whether kept doors count only if they separate rooms; the choice can be bounded only then."""
 
     @property
     def room_m2(self) -> float:
@@ -29,22 +29,22 @@ class Cost(Protocol):
 
     @property
     def conflict_weight(self) -> float:
-        """Cost of each pair of conflicting doors of which both are kept."""
+        """The cost of keeping both doors of a conflict."""
 
     def on_map(self, share_rough: float) -> Cost:
-        """The cost with the weights of a map that is rough by this share, 0 to 1."""
+        """The cost with the weights for a map that is rough to this degree, 0 to 1."""
 
     def gain(self, log_odds: Floats) -> Floats:
-        """What keeping doors (k,) saves if each separates two rooms, whatever these lack."""
+        """The saving (k,) from keeping each door if it separates two rooms, regardless of the rooms' areas."""
 
     def most_gain(self, log_odds: Floats) -> Floats:
-        """The same if each is one of several doors between its rooms, at least 0."""
+        """The largest saving (k,) from keeping each door, that of a further one between its rooms; at least 0."""
 
     def terms(self, totals: Totals) -> tuple[Term, ...]:
-        """What the cost of one choice is made of."""
+        """The terms whose sum is the cost of one choice."""
 
     def __call__(self, totals: Totals, sqrt: Callable[[Any], Any]) -> Costs:
-        """Cost and the terms of eq. 7 from sums over rooms and doors, for one choice or arrays of them."""
+        """The cost and the terms of eq. 7, from sums over rooms and doors, of one choice or arrays of them."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -52,7 +52,7 @@ class MapCost:
     """Weights of eq. 7."""
 
     room_m2: Annotated[float, Within(0, 1e6)] = 2.0
-    """Room threshold T: smaller rooms count as small nodes, and areas are compared with it."""
+    """Room threshold T: smaller rooms are small nodes, and AreaSD is measured from it."""
     small_weight: Annotated[float, Within(0, 1e6)] = 1.0
     """w1, per small room."""
     area_weight_per_m2: Annotated[float, Within(0, 1e6)] = 0.05
@@ -64,20 +64,20 @@ class MapCost:
 
     @property
     def conflict_weight(self) -> float:
-        """Nothing: this cost knows no conflicts."""
+        """0: this cost ignores conflicts."""
         return 0.0
 
     def on_map(self, share_rough: float) -> MapCost:
-        """The same for every map."""
+        """The cost unchanged: its weights are the same for all maps."""
         del share_rough
         return self
 
     def gain(self, log_odds: Floats) -> Floats:
-        """The log-odds alone, which this cost does not count."""
+        """The log-odds, which this cost does not use."""
         return log_odds
 
     def most_gain(self, log_odds: Floats) -> Floats:
-        """The same, at least 0."""
+        """The log-odds, at least 0."""
         return np.maximum(log_odds, 0.0)
 
     def terms(self, totals: Totals) -> tuple[Term, ...]:
@@ -90,9 +90,9 @@ class MapCost:
         )
 
     def __call__(self, totals: Totals, sqrt: Callable[[Any], Any]) -> Costs:
-        """Eq. 7: the cost and its three terms."""
+        """The cost by eq. 7, and its three terms."""
         mean_square = (totals.area_squared_m4 - 2 * self.room_m2 * totals.area_m2) / totals.rooms + self.room_m2**2
-        area_sd_m2 = sqrt(abs(mean_square))  # rounding may leave a zero just below 0
+        area_sd_m2 = sqrt(abs(mean_square))  # rounding may make a zero slightly negative
         tilt_sd_deg = sqrt(totals.tilt_squared_deg2 / (totals.doors + (totals.doors == 0)))
         cost = (  # eq. 7
             self.small_weight * totals.small
@@ -104,40 +104,40 @@ class MapCost:
 
 @dataclass(frozen=True, kw_only=True)
 class DoorEnergy:
-    """Weights of the energy over scored doors: what those that part rooms say, against what their rooms lack.
+    """Weights of the energy of scored doors: the area that rooms lack, minus the log-odds of doors that separate rooms.
 
-    A kept door around which one can walk says nothing: where three gaps must be shut to part two rooms, none of them
-    is a door without the others.
+    Kept doors that separate nothing do not count: if three gaps must be closed to separate two rooms, none of them is a
+    door without the others.
     """
 
     room_m2: Annotated[float, Within(0, 1e6)] = 2.0
     """Room threshold T."""
     lack_weight: Annotated[float, Within(0, 1e6)] = 1.5
-    """Log-odds that a room of no area would cost; one of half the threshold costs half as much."""
+    """Cost, in log-odds, of a room of zero area; falls linearly to 0 at the threshold."""
     lack_weight_rough: Annotated[float, Within(0, 1e6)] = 8.0
-    """The same on ragged maps, where furniture makes rooms that are none."""
+    """`lack_weight` for rough maps, on which furniture creates false rooms."""
     bias: Annotated[float, Within(-100, 100)] = 0.4
-    """Added to the log-odds of each door: above 0 more doors are kept."""
+    """Added to the log-odds of each door: higher values keep more doors."""
     bias_rough: Annotated[float, Within(-100, 100)] = 0.3
-    """The same on ragged maps."""
+    """`bias` for rough maps."""
     further_bias: Annotated[float, Within(0, 100)] = 0.0
-    """Added as well for each further door between the same two rooms: the first has told that they are two. Of the
-    virtual doors that the curves are fitted to, one in three or four is real, so about 1 of what speaks against each
-    speaks against there being two rooms at all, and should be counted once."""
+    """Added for each further door between the same two rooms, as the first is already evidence that they are two. One
+    in three or four of the virtual doors to which the curves are fitted is real, so about 1 of the log-odds against
+    each door is evidence against there being two rooms, and should be counted only once."""
     further_bias_rough: Annotated[float, Within(0, 100)] = 0.0
-    """The same on ragged maps."""
+    """`further_bias` for rough maps."""
     clash_weight: Annotated[float, Within(0, 1e6)] = 100.0
-    """Per pair of conflicting doors of which both are kept."""
+    """Cost of keeping both doors of a conflict."""
 
     counts_separating: ClassVar[bool] = True
 
     @property
     def conflict_weight(self) -> float:
-        """What `clash_weight` says."""
+        """The setting `clash_weight`."""
         return self.clash_weight
 
     def on_map(self, share_rough: float) -> DoorEnergy:
-        """The energy with each weight between that of a clean map and that of a rough one."""
+        """The energy with each weight interpolated between those of clean and rough maps."""
         weights = {}
         for name in ("lack_weight", "bias", "further_bias"):
             clean, rough = getattr(self, name), getattr(self, f"{name}_rough")
@@ -145,29 +145,29 @@ class DoorEnergy:
         return replace(self, **weights)
 
     def gain(self, log_odds: Floats) -> Floats:
-        """Log-odds and bias."""
+        """The log-odds plus the bias."""
         return log_odds + self.bias
 
     def most_gain(self, log_odds: Floats) -> Floats:
-        """The bias of further doors as well."""
+        """The gain plus the bias of further doors, at least 0."""
         return np.maximum(self.gain(log_odds) + self.further_bias, 0.0)
 
     def terms(self, totals: Totals) -> tuple[Term, ...]:
-        """What rooms lack, conflicts, and what the doors that separate rooms say."""
+        """The terms: area that rooms lack, conflicts, log-odds of separating doors, and their biases."""
         return (
             Term("lack of area", self.lack_weight, totals.lacking_m2 / max(self.room_m2, EPSILON), "rooms"),
-            Term("clashes", self.clash_weight, int(totals.clashes)),
+            Term("conflicts", self.clash_weight, int(totals.conflicts)),
             Term("log-odds", -1.0, float(totals.log_odds)),
-            Term("parting doors", -self.bias, int(totals.separating)),
-            Term("of them further ones", -self.further_bias, int(totals.separating - totals.pairs)),
+            Term("separating doors", -self.bias, int(totals.separating)),
+            Term("further doors", -self.further_bias, int(totals.separating - totals.pairs)),
         )
 
     def __call__(self, totals: Totals, sqrt: Callable[[Any], Any]) -> Costs:
-        """Energy, and eq. 7's terms for comparison, from sums over rooms and doors."""
+        """The energy, and the terms of eq. 7 for comparison, from sums over rooms and doors."""
         terms = MapCost(room_m2=self.room_m2)(totals, sqrt)
         energy = (
             self.lack_weight * totals.lacking_m2 / max(self.room_m2, EPSILON)
-            + self.clash_weight * totals.clashes
+            + self.clash_weight * totals.conflicts
             - (totals.log_odds + self.bias * totals.separating)
             - self.further_bias * (totals.separating - totals.pairs)
         )
@@ -184,19 +184,19 @@ class Totals(NamedTuple):
     doors: Number
     tilt_squared_deg2: Number
     lacking_m2: Number
-    """What rooms lack of the room threshold, summed over the smaller ones."""
+    """Area by which rooms are smaller than the room threshold, summed over the smaller rooms."""
     separating: Number
-    """Kept doors that part rooms; 0 but for the energy."""
+    """Number of kept doors that separate rooms; counted for the energy only, else 0."""
     pairs: Number
-    """Pairs of rooms that they part."""
+    """Number of pairs of rooms that these doors separate."""
     log_odds: Number
-    """Summed over those; 0 where doors have no scores."""
-    clashes: Number
-    """Conflicting pairs of which both doors are kept."""
+    """Sum of these doors' log-odds; 0 without scores."""
+    conflicts: Number
+    """Number of conflicts of which both doors are kept."""
 
 
 class Term(NamedTuple):
-    """One term of the cost of a choice: a weight times a value."""
+    """One term of the cost: a weight times a value."""
 
     name: str
     weight: float
@@ -205,12 +205,12 @@ class Term(NamedTuple):
 
     @property
     def cost(self) -> float:
-        """What it adds."""
+        """The term's share of the cost."""
         return self.weight * self.value
 
 
 class Costs(NamedTuple):
-    """The cost, and the terms of eq. 7."""
+    """The cost and the terms of eq. 7, of one choice or arrays (p,) of them."""
 
     cost: Number
     small_rooms: Number

@@ -1,4 +1,4 @@
-"""Section III: one generation of a search, whatever the optimiser."""
+"""Section III: one generation of a search, the same record for all optimisers."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ class Generation(Record):
 
     number: Annotated[int, Spec("count")]
     evaluations: Annotated[int, Spec("count")]
-    """Strings evaluated so far."""
-    # Log-odds are sums of logarithms, whose last bits are the machine's, rounded to billionths.
+    """Number of strings evaluated so far."""
+    # Log-odds are sums of logarithms, whose last bits depend on the machine, rounded to 1e-9.
     best_cost: Annotated[float, Spec("number", tolerance=1e-6)]
     mean_cost: Annotated[float, Spec("number", tolerance=1e-6)]
     worst_cost: Annotated[float, Spec("number", tolerance=1e-6)]
@@ -37,15 +37,15 @@ class Generation(Record):
 
 
 class Search(Protocol):
-    """An optimiser: the best choice of doors so far, once a generation; the last one is the answer."""
+    """An optimiser: yields one generation at a time with the best choice so far; the last one is the result."""
 
     def __call__(self, problem: MergeProblem, rng: np.random.Generator) -> Iterator[Generation]:
-        """Search; all randomness comes from `rng`."""
+        """The generations of a search; all randomness comes from `rng`."""
         ...
 
 
 def summary(number: int, evaluations: int, strings: Bits, costs: Costs) -> Generation:
-    """One record of a population (p, r) with its costs; the first of equally good strings is the best."""
+    """The record of a population (p, r) with its costs; of equally good strings the first is the best."""
     best = int(np.argmin(costs.cost))
     return Generation(
         number=number,
@@ -61,7 +61,7 @@ def summary(number: int, evaluations: int, strings: Bits, costs: Costs) -> Gener
 
 
 def with_best(generation: Generation, best: Generation) -> Generation:
-    """The generation with an earlier best string in place of its own."""
+    """The generation with its best string replaced by that of an earlier one."""
     return dataclasses.replace(
         generation,
         best_cost=best.best_cost,

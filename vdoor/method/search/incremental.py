@@ -1,4 +1,4 @@
-"""One choice of doors, changed door by door: what simulated annealing walks on."""
+"""A choice of doors that is changed door by door, for simulated annealing and local search."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from vdoor.method.search.problem import LOG_ODDS_UNIT, TILT_UNIT_DEG2, MergeProb
 
 @dataclass(slots=True)
 class RunningTotals:
-    """`Totals` of one choice, in whole cells and units, kept up to date from flip to flip."""
+    """The `Totals` of one choice in whole cells and units, updated with each flip."""
 
     rooms: int = 0
     small: int = 0
@@ -26,16 +26,16 @@ class RunningTotals:
     lacking_cells: float = 0.0
     doors: int = 0
     tilt: int = 0
-    clashes: int = 0
+    conflicts: int = 0
     separating: int = 0
     log_odds: int = 0
 
 
 class FlipState:
-    """A choice of doors with its rooms, and the best choice seen; every door is kept but those `removed`.
+    """A choice of doors with its rooms, and the best choice so far; initially all doors are kept except `removed`.
 
-    A flip only changes the rooms around that door, so only those are searched again. The sums are the same whole
-    numbers as in `MergeProblem.evaluate`, so the cost is the same to the last bit.
+    A flip only changes the rooms around that door, so only these are found again. The sums are the same integers as in
+    `MergeProblem.evaluate`, so the cost is the same to the last bit.
     """
 
     def __init__(self, problem: MergeProblem, removed: Iterable[int] = ()) -> None:
@@ -52,27 +52,27 @@ class FlipState:
         for a, b in problem.conflicts.T.tolist():
             self.conflicts[a].append(b)
             self.conflicts[b].append(a)
-        self.totals = RunningTotals(doors=problem.edges, tilt=sum(self.tilt), clashes=problem.conflicts.shape[1])
+        self.totals = RunningTotals(doors=problem.edges, tilt=sum(self.tilt), conflicts=problem.conflicts.shape[1])
         self.regions_of, self.edges_of = _borders(problem)
-        self.parts: list[frozenset[int] | int | None] = [None] * problem.edges
-        """The two rooms around each kept door, its own number where there are more, none where there is one."""
+        self.separated: list[frozenset[int] | int | None] = [None] * problem.edges
+        """The two rooms that each kept door separates, its number if there are more, None if none."""
         self.pairs: dict[frozenset[int] | int, int] = {}
-        """By how many kept doors each pair of rooms is parted."""
+        """The number of kept doors that separate each pair of rooms."""
         self._next_room = 0
         self._add_rooms([node for node in range(len(self.cells)) if not self.kept_doors[node]])
         for edge in range(problem.edges):
-            self._judge(edge)
+            self._update_separated(edge)
         for edge in removed:
             self._flip(edge)
         self.cost = self._cost()
         self.best_cost, self.best = self.cost, list(self.removed)
 
     def try_flip(self, edge: int, allowance: float) -> bool:
-        """Flip one door unless that costs more than `allowance`; returns whether it was flipped."""
+        """Flip a door unless that raises the cost by more than `allowance`; returns whether it was flipped."""
         return self.try_flips([edge], allowance)
 
     def try_flips(self, edges: list[int], allowance: float = 0.0) -> bool:
-        """Flip several doors at once unless that costs more than `allowance`; returns whether they were flipped."""
+        """Flip doors together unless that raises the cost by more than `allowance`; returns whether it did so."""
         before = self.cost
         for edge in edges:
             self._flip(edge)
@@ -87,23 +87,23 @@ class FlipState:
         return True
 
     def open_idle(self) -> None:
-        """Open the kept doors that part nothing, the least likely first."""
+        """Open the kept doors that separate nothing, the least likely first."""
         for edge in self.problem.worst_first.tolist():
             if not self.removed[edge]:
                 self.open_if_idle(edge)
 
     def open_if_idle(self, edge: int) -> list[list[int]]:
-        """Groups of rooms, each by its lowest node, that opening a kept door joins; opens it if it joins none.
+        """The groups of rooms, each given by its lowest node, that opening a kept door would join; opens it if none.
 
-        Where the cost counts the doors that part rooms, a door joins those that it parts for the cost.
+        If the cost counts separating doors, these are the rooms that the door separates for the cost.
         """
-        if self.parts[edge] is not None:
+        if self.separated[edge] is not None:
             beside = {self.room_of[region] for region in self.regions_of[edge]}
             return [sorted(min(self.members[room]) for room in beside)]
         nodes = [node for node in self.nodes_of_edge[edge] if self.kept_doors[node] == 1]
         around = {self.room_of[near] for node in nodes for near in self.neighbours[node]} - {-1}
         lowest = [min(self.members[room]) for room in sorted(around)]
-        lowest = [node for node in lowest if node < self.problem.regions]  # an opened atom by itself is no room
+        lowest = [node for node in lowest if node < self.problem.regions]  # an open atom without a region is no room
         self._flip(edge)
         groups: dict[int, list[int]] = {}
         for node in lowest:
@@ -114,7 +114,7 @@ class FlipState:
         return joined
 
     def generation(self, number: int, evaluations: int, costs: list[float]) -> Generation:
-        """The record of the best choice so far, with the mean and worst of the costs passed through."""
+        """The record of the best choice so far, with the mean and the worst of the costs since the last record."""
         best = np.array([self.best], np.bool_).reshape(1, -1)
         record = summary(number, evaluations, best, self.problem.evaluate(best))
         return dataclasses.replace(record, mean_cost=sum(costs) / len(costs), worst_cost=max(costs))
@@ -125,29 +125,29 @@ class FlipState:
         change = 1 if keeps else -1
         self.totals.doors += change
         self.totals.tilt += change * self.tilt[edge]
-        self.totals.clashes += change * sum(not self.removed[other] for other in self.conflicts[edge])
+        self.totals.conflicts += change * sum(not self.removed[other] for other in self.conflicts[edge])
         switched = []
         for node in self.nodes_of_edge[edge]:
             self.kept_doors[node] += change
             if self.kept_doors[node] == (1 if keeps else 0):
                 switched.append(node)
         if not switched:
-            self._judge(edge)
+            self._update_separated(edge)
             return
         touched = switched if keeps else [near for node in switched for near in self.neighbours[node]]
         nodes = self._take_rooms({self.room_of[node] for node in touched} - {-1})
         self._add_rooms([node for node in nodes if not self.kept_doors[node]] + ([] if keeps else switched))
         for near in {edge, *(one for node in nodes for one in self.edges_of[node])}:
-            self._judge(near)
+            self._update_separated(near)
 
-    def _judge(self, edge: int) -> None:
-        """Count a door among those that part rooms, or no longer."""
+    def _update_separated(self, edge: int) -> None:
+        """Update which rooms a door separates, and the sums over separating doors."""
         rooms = frozenset(self.room_of[region] for region in self.regions_of[edge])
         now = None if len(rooms) < 2 or self.removed[edge] else rooms if len(rooms) == 2 else edge  # noqa: PLR2004
-        before = self.parts[edge]
+        before = self.separated[edge]
         if now == before:
             return
-        self.parts[edge] = now
+        self.separated[edge] = now
         for pair, change in ((before, -1), (now, 1)):
             if pair is not None:
                 self.totals.separating += change
@@ -157,7 +157,7 @@ class FlipState:
                     del self.pairs[pair]
 
     def _take_rooms(self, rooms: Iterable[int]) -> list[int]:
-        """Remove rooms from the sums and return their nodes."""
+        """Remove rooms, also from the sums; returns their nodes."""
         nodes: list[int] = []
         for room in sorted(rooms):
             members = self.members.pop(room)
@@ -168,14 +168,14 @@ class FlipState:
         return nodes
 
     def _add_rooms(self, nodes: list[int]) -> None:
-        """Group open nodes without a room into rooms and add these to the sums."""
+        """Group open nodes without a room into rooms, and add these to the sums."""
         pending = set(nodes)
         for seed in nodes:
             if seed not in pending:
                 continue
             pending.discard(seed)
             members = [seed]
-            for node in members:  # grows while it is read
+            for node in members:  # the list grows during the loop
                 for near in self.neighbours[node]:
                     if near in pending:
                         pending.discard(near)
@@ -188,7 +188,7 @@ class FlipState:
 
     def _count(self, members: list[int], sign: int) -> None:
         if min(members) >= self.problem.regions:
-            return  # an opened atom that touches no region is no room
+            return  # an open atom without a region is no room
         cells = sum(self.cells[node] for node in members)
         self.totals.rooms += sign
         self.totals.small += sign * (cells < self.problem.small_cells)
@@ -209,7 +209,7 @@ class FlipState:
             separating=running.separating,
             pairs=len(self.pairs),
             log_odds=running.log_odds * LOG_ODDS_UNIT,
-            clashes=running.clashes,
+            conflicts=running.conflicts,
         )
         return float(self.problem.cost(totals, sqrt=math.sqrt).cost)
 
@@ -223,7 +223,7 @@ def _neighbours(problem: MergeProblem) -> list[list[int]]:
 
 
 def _borders(problem: MergeProblem) -> tuple[list[list[int]], list[list[int]]]:
-    """Regions that each edge borders, and edges that border each node; none where the cost does not ask."""
+    """The regions that each edge borders, and the edges that border each node; empty if the cost does not use them."""
     regions: list[list[int]] = [[] for _ in range(problem.edges)]
     edges: list[list[int]] = [[] for _ in problem.cells]
     if problem.cost.counts_separating:
@@ -236,7 +236,7 @@ def _borders(problem: MergeProblem) -> tuple[list[list[int]], list[list[int]]]:
 
 
 def _covers(problem: MergeProblem) -> tuple[list[list[int]], list[int]]:
-    """Nodes that each edge covers, and how many edges cover each node."""
+    """The nodes that each edge covers, and the number of edges that cover each node."""
     ends = np.append(problem.cover_start, len(problem.cover_edge))
     nodes: list[list[int]] = [[] for _ in range(problem.edges)]
     for index, edge in enumerate(problem.cover_edge.tolist()):

@@ -1,4 +1,4 @@
-"""A genetic search whose best child learns: one record a generation, as in section III, but from a greedy start."""
+"""A memetic search: genetic as in section III, but with a greedy start and local search on the best child."""
 
 from __future__ import annotations
 
@@ -15,22 +15,22 @@ from vdoor.method.search.incremental import FlipState
 from vdoor.method.search.problem import Bits, MergeProblem
 
 SURELY = 1e-9
-"""A change is made where it costs less by more than this, not by rounding alone."""
+"""Smallest decrease of the cost that counts as an improvement, and not as rounding."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class MemeticSearch:
-    """Uniform crossover, one mutation a string, and local search on the best child of each generation."""
+    """Genetic search: uniform crossover, one mutation per string, and local search on the best child."""
 
     population: Annotated[int, Within(2, 100_000)] = 16
-    """Strings that survive a generation."""
+    """Number of strings that survive a generation."""
     generations: Annotated[int, Within(0, 1_000_000)] = 50
-    """At most so many."""
+    """Maximum number of generations."""
     patience: Annotated[int, Within(1, 1_000_000)] = 5
-    """The search ends after so many generations without a better string."""
+    """Number of generations without improvement after which the search ends."""
 
     def __call__(self, problem: MergeProblem, rng: np.random.Generator) -> Iterator[Generation]:
-        """Generation 0 is the greedy choice and strings near it; survivors are the best different strings."""
+        """The generations; 0 is the greedy choice and strings near it. Survivors are the best distinct strings."""
         first = greedy(problem)
         near = rng.random((self.population - 1, problem.edges)) < 2 / max(problem.edges, 2)
         strings = np.concatenate([first[None], first ^ near])
@@ -40,8 +40,8 @@ class MemeticSearch:
         best, since = float(costs.cost.min()), 0
         for number in range(1, self.generations + 1):
             children = self._children(strings, rng)
-            learned = climbed(problem, children[np.argmin(problem.evaluate(children).cost)])
-            strings = np.unique(np.concatenate([strings, children, learned[None]]), axis=0)
+            improved = climbed(problem, children[np.argmin(problem.evaluate(children).cost)])
+            strings = np.unique(np.concatenate([strings, children, improved[None]]), axis=0)
             evaluations += len(children) + len(strings) + 1
             strings, costs = ordered(problem, strings)
             strings, costs = strings[: self.population], Costs(*(term[: self.population] for term in costs))
@@ -52,17 +52,17 @@ class MemeticSearch:
                 return
 
     def _children(self, parents: Bits, rng: np.random.Generator) -> Bits:
-        """As many children (p, r) as the population has: bits of two random parents each, one flipped on average."""
+        """Children (p, r), as many as the population: bits of two random parents, one flipped on average."""
         one, other = parents[rng.integers(len(parents), size=(2, self.population))]
         child = np.where(rng.random(one.shape) < 0.5, one, other)  # noqa: PLR2004  # uniform crossover
         return np.asarray(child ^ (rng.random(child.shape) < 1 / max(child.shape[1], 1)))
 
 
 def ordered(problem: MergeProblem, strings: Bits) -> tuple[Bits, Costs]:
-    """The strings (p, r) with their costs, the best first and without its doors that part nothing.
+    """The strings (p, r) with their costs, the best first; in the best one, doors that separate nothing are removed.
 
-    Such doors gain nothing where the cost asks what they part, and are none of the final map, which so has all doors
-    that the best string keeps.
+    This is done if the cost counts separating doors only: such doors gain nothing, and the final map would drop them.
+    So the final map has exactly the doors that the best string keeps.
     """
     costs = problem.evaluate(strings)
     fittest = np.argsort(costs.cost, kind="stable")
@@ -77,7 +77,7 @@ def ordered(problem: MergeProblem, strings: Bits) -> tuple[Bits, Costs]:
 
 
 def greedy(problem: MergeProblem) -> Bits:
-    """The doors (r,) that gain something, the likeliest first, unless one in conflict is kept; bit 1 = removed."""
+    """The greedy choice (r,): keeps doors that gain, the likeliest first, without conflicts; bit 1 = removed."""
     removed = np.ones(problem.edges, np.bool_)
     conflicts = FlipState(problem).conflicts
     for edge in np.argsort(-problem.log_odds, kind="stable").tolist():
@@ -88,7 +88,7 @@ def greedy(problem: MergeProblem) -> Bits:
 
 
 def climbed(problem: MergeProblem, removed: Bits) -> Bits:
-    """The string (r,) after flips of single doors, and swaps of a door for its conflicts, until none helps."""
+    """The string (r,) after local search: flips of doors, and swaps with conflicting doors, until none helps."""
     state = FlipState(problem, np.flatnonzero(removed).tolist())
     better = True
     while better:

@@ -1,4 +1,4 @@
-"""Section III: optimisers that choose which virtual doors to remove, a record a generation."""
+"""Section III: optimisers that choose the virtual doors to remove, with one record per generation."""
 
 from __future__ import annotations
 
@@ -18,21 +18,21 @@ from vdoor.method.search.problem import Bits, MergeProblem
 
 @dataclass(frozen=True, kw_only=True)
 class GeneticSearch:
-    """The genetic algorithm as printed: uniform crossover, uneven mutation, elitism."""
+    """The genetic algorithm as printed: uniform crossover, asymmetric mutation, elitism."""
 
     population: Annotated[int, Within(2, 100_000)] = 50
     generations: Annotated[int, Within(0, 1_000_000)] = 50
     crossover: Annotated[float, Within(0, 1)] = 0.5
-    """Probability that two parents exchange a bit."""
+    """Probability that two parents exchange each bit."""
     mutate_to_removed: Annotated[float, Within(0, 1)] = 0.1
     """Probability that a 0 becomes 1."""
     mutate_to_kept: Annotated[float, Within(0, 1)] = 0.01
     """Probability that a 1 becomes 0."""
     start_removed: Annotated[float, Within(0, 1)] = 0.5
-    """Probability of a 1 in the first population (not printed)."""
+    """Probability of a 1 in the initial population (not printed)."""
 
     def __call__(self, problem: MergeProblem, rng: np.random.Generator) -> Iterator[Generation]:
-        """Generation 0 is the first population; survivors are the best of parents and offspring."""
+        """The generations; 0 is the initial population. Survivors are the best of parents and offspring."""
         strings = rng.random((self.population, problem.edges)) < self.start_removed
         costs = problem.evaluate(strings)
         yield summary(0, self.population, strings, costs)
@@ -45,7 +45,7 @@ class GeneticSearch:
             yield summary(number, self.population * (number + 1), strings, costs)
 
     def offspring(self, parents: Bits, rng: np.random.Generator) -> Bits:
-        """As many children (p, r) as parents: random pairs exchange bits (Fig. 4a), then bits flip (Fig. 4b)."""
+        """Children (p, r), as many as parents: random pairs exchange bits (Fig. 4a), then bits flip (Fig. 4b)."""
         mates = parents[rng.permutation(len(parents))]
         half = -(-len(parents) // 2)
         one, other = mates[:half], mates[-half:]
@@ -57,15 +57,15 @@ class GeneticSearch:
 
 @dataclass(frozen=True, kw_only=True)
 class ExhaustiveSearch:
-    """Every choice there is: proves the optimum."""
+    """Exhaustive search: evaluate all choices, which proves the optimum."""
 
     most_edges: Annotated[int, Within(0, 30)] = 20
-    """Refuse larger problems: each edge more takes twice the time."""
+    """Largest number of edges accepted; each further one doubles the time."""
     batch: Annotated[int, Within(1, 1_048_576)] = 4096
-    """Choices evaluated at once; one record a batch."""
+    """Number of choices evaluated at a time, with one record per batch."""
 
     def __call__(self, problem: MergeProblem, rng: np.random.Generator) -> Iterator[Generation]:
-        """The first of equally good choices wins, counting in binary; `rng` is not used."""
+        """One generation per batch; of equally good choices the first in binary order wins. `rng` is not used."""
         del rng
         if problem.edges > self.most_edges:
             raise SettingError(
@@ -85,16 +85,16 @@ class ExhaustiveSearch:
 
 @dataclass(frozen=True, kw_only=True)
 class AnnealingSearch:
-    """Simulated annealing: one door flipped at a time, worse choices accepted ever more rarely."""
+    """Simulated annealing: flip one door at a time, and accept worse choices less and less often."""
 
     evaluations: Annotated[int, Within(1, 1_000_000_000)] = 25_000
     per_generation: Annotated[int, Within(1, 1_000_000_000)] = 500
-    """Evaluations to one record."""
+    """Number of evaluations per record."""
     start_temperature: Annotated[float, Within(1e-09, 1_000_000_000.0)] = 1.0
     end_temperature: Annotated[float, Within(1e-09, 1_000_000_000.0)] = 0.001
 
     def __call__(self, problem: MergeProblem, rng: np.random.Generator) -> Iterator[Generation]:
-        """Starts with all doors kept, since then every flip is a local change."""
+        """The generations; the start is all doors kept, from which every flip is a local change."""
         state = FlipState(problem)
         if problem.edges == 0:
             yield state.generation(0, 1, [state.cost])

@@ -1,4 +1,4 @@
-"""Section III: the initial map as the search sees it, and many choices of doors evaluated at once."""
+"""Section III: the optimisation problem given by the initial map, and the evaluation of many choices at once."""
 
 from __future__ import annotations
 
@@ -18,17 +18,17 @@ Bits = NDArray[np.bool_]
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-# Tilts and log-odds are summed as whole numbers of these units, so that sums do not depend on their order.
+# Tilts and log-odds are summed as integers in these units, so that sums do not depend on their order.
 TILT_UNIT_DEG2 = 1e-9
 LOG_ODDS_UNIT = 1e-9
-MOST_AT_ONCE = 10_000_000  # nodes, links and covers of all choices that are evaluated together
+MOST_AT_ONCE = 10_000_000  # limit for the nodes, links and covers of all choices evaluated together
 
 
 class MergeProblem:
-    """The initial map as the search sees it: cells that merge when doors are removed.
+    """The optimisation problem: nodes of cells that merge when doors are removed.
 
-    Atoms on the same doors that touch a common region open and merge together, so they are one node here. All sums
-    are over whole numbers, so that equal choices cost the same to the last bit on every machine.
+    A node is a region, or a bundle of atoms that are on the same doors and touch a common region, since these open and
+    merge together. All sums are over integers, so that equal choices cost the same to the last bit on every machine.
     """
 
     def __init__(self, initial: InitialMap, cost: Cost, scores: DoorScores | None = None) -> None:
@@ -47,25 +47,25 @@ class MergeProblem:
         self.log_odds, self.conflicts = odds_and_conflicts(initial, scores)
         worst = (np.arange(self.edges), initial.length_m, initial.tilt_rad)
         self.border_region = initial.border_region
-        """Regions that each edge borders, flat; `border_start` (edges,) says where they begin."""
+        """The regions that each edge borders, concatenated; `border_start` (edges,) is where each edge's begin."""
         self.border_edge = initial.border_edge
-        """The edge of each of them."""
+        """The edge of each entry of `border_region`."""
         self.border_start = np.searchsorted(self.border_edge, np.arange(self.edges))
         log_odds: Floats = (self.log_odds * LOG_ODDS_UNIT).astype(np.float64, copy=False)
         self.gain = self.cost.gain(log_odds)
-        """What keeping each door (edges,) saves if it separates two rooms, whatever these lack."""
+        """The saving (edges,) from keeping each door if it separates two rooms, regardless of the rooms' areas."""
         self.most_gain = self.cost.most_gain(log_odds)
-        """The same if it is one of several doors between them."""
+        """The largest saving (edges,), that of a further door between its rooms."""
         self.worst_first = np.lexsort(worst)[::-1] if scores is None else np.argsort(self.log_odds, kind="stable")
-        """In which order doors go that separate nothing."""
+        """The order (edges,) in which doors that separate nothing are dropped."""
         self.is_region = np.arange(count) < self.regions
         self.small_cells = cost.room_m2 / self.cell_m2
         self.threshold_cells = round(self.small_cells)
-        """The same in whole cells, so that what rooms lack is summed exactly."""
+        """The room threshold in whole cells, so that the area that rooms lack is summed exactly."""
         self.at_once = max(1, MOST_AT_ONCE // (count + len(self.links[0]) + len(self.cover_edge) + 1))
 
     def open_nodes(self, removed: Bits) -> Bits:
-        """Which nodes (p, nodes) are open under each choice (p, edges): regions, and atoms with all doors removed."""
+        """Which nodes (p, nodes) are open in each choice (p, edges): regions, and bundles with all doors removed."""
         is_open = np.ones((len(removed), len(self.cells)), np.bool_)
         if len(self.cover_start):
             all_removed = np.logical_and.reduceat(removed[:, self.cover_edge], self.cover_start, axis=1)
@@ -73,38 +73,38 @@ class MergeProblem:
         return is_open
 
     def rooms(self, removed: Bits) -> tuple[NDArray[np.intp], Bits]:
-        """Room (p, nodes) of every node under each choice, numbered through over all choices, and what is open."""
+        """The room (p, nodes) of each node in each choice, numbered across all choices, and which nodes are open."""
         is_open = self.open_nodes(removed)
         a, b = self.links
         choices, count = is_open.shape
         joined = is_open[:, a] & is_open[:, b]
         choice, link = np.nonzero(joined)
-        # links are sorted by a, so this is a matrix by rows as it stands
+        # links are sorted by a, so the entries are already in the order of a CSR matrix
         per_row = np.bincount(choice * count + a[link], minlength=choices * count)
         begin = np.append(0, np.cumsum(per_row))
         graph = csr_array((np.ones(len(link), np.int8), choice * count + b[link], begin), shape=(choices * count,) * 2)
         _, room = connected_components(graph, directed=False)
         return room.reshape(choices, count).astype(np.intp, copy=False), is_open
 
-    def parting(self, removed: Bits, room: NDArray[np.intp]) -> tuple[Bits, Ints]:
-        """Which kept doors (p, edges) have several rooms around them, and how many pairs of rooms (p,) they part.
+    def separating(self, removed: Bits, room: NDArray[np.intp]) -> tuple[Bits, Ints]:
+        """Which kept doors (p, edges) separate rooms, and the number of pairs of rooms (p,) that they separate.
 
-        `room` (p, nodes) is from `rooms`. A door with more than two rooms around it counts as a pair of its own. None
-        part any where the cost does not ask: it matters to the energy alone.
+        `room` (p, nodes) is from `rooms`. A door that borders more than two rooms counts as a pair of its own. If the
+        cost does not count separating doors, as only the energy does, the results are False and 0.
         """
         if not (self.cost.counts_separating and self.edges):
             return np.zeros(removed.shape, np.bool_), np.zeros(len(removed), np.int64)
         beside = room[:, self.border_region]
         lowest, highest = (end.reduceat(beside, self.border_start, axis=1) for end in (np.minimum, np.maximum))
         between = (beside > lowest[:, self.border_edge]) & (beside < highest[:, self.border_edge])
-        parts = ~removed & (lowest != highest)
-        several = parts & np.logical_or.reduceat(between, self.border_start, axis=1)
-        choice, door = np.nonzero(parts & ~several)
+        separates = ~removed & (lowest != highest)
+        several = separates & np.logical_or.reduceat(between, self.border_start, axis=1)
+        choice, door = np.nonzero(separates & ~several)
         pair = np.unique(np.stack([choice, lowest[choice, door], highest[choice, door]]), axis=1)
-        return parts, several.sum(axis=1) + np.bincount(pair[0], minlength=len(removed))
+        return separates, several.sum(axis=1) + np.bincount(pair[0], minlength=len(removed))
 
     def evaluate(self, removed: Bits) -> Costs:
-        """Eq. 7 of each choice (p, edges); bit 1 = door removed. Memory is bounded however many there are."""
+        """The cost of each choice (p, edges); bit 1 = door removed. Memory is bounded for any number of choices."""
         parts = [
             self.cost(self.totals(removed[begin : begin + self.at_once]), sqrt=np.sqrt)
             for begin in range(0, len(removed), self.at_once)
@@ -112,11 +112,11 @@ class MergeProblem:
         return parts[0] if len(parts) == 1 else Costs(*map(np.concatenate, zip(*parts, strict=True)))
 
     def terms(self, removed: Bits) -> tuple[Term, ...]:
-        """What the cost of one choice (edges,) is made of."""
+        """The terms whose sum is the cost of one choice (edges,)."""
         return self.cost.terms(Totals(*(total[0] for total in self.totals(removed[None]))))
 
     def totals(self, removed: Bits) -> Totals:
-        """Sums over the rooms and the kept doors of each choice (p, edges)."""
+        """The sums over the rooms and the kept doors of each choice (p, edges)."""
         room, is_open = self.rooms(removed)
         choices = len(removed)
         cells = np.bincount(room.ravel(), weights=(is_open * self.cells).ravel())
@@ -131,7 +131,7 @@ class MergeProblem:
             )
 
         kept = ~removed
-        separating, pairs = self.parting(removed, room)
+        separating, pairs = self.separating(removed, room)
         return Totals(
             rooms=total(np.ones(len(cells))).astype(np.int64),
             small=total(cells < self.small_cells).astype(np.int64),
@@ -143,12 +143,15 @@ class MergeProblem:
             separating=separating.sum(axis=1),
             pairs=pairs,
             log_odds=(separating * self.log_odds).sum(axis=1) * LOG_ODDS_UNIT,
-            clashes=(kept[:, self.conflicts[0]] & kept[:, self.conflicts[1]]).sum(axis=1),
+            conflicts=(kept[:, self.conflicts[0]] & kept[:, self.conflicts[1]]).sum(axis=1),
         )
 
 
 def bundles(initial: InitialMap) -> tuple[NDArray[np.intp], NDArray[np.intp], NDArray[np.int32]]:
-    """Bundle (atoms,) of each atom; where each bundle's edges begin, and the edges that cover it, flat."""
+    """The bundle (atoms,) of each atom; and the edges that cover each bundle: where they begin, and all concatenated.
+
+    A bundle is a node: atoms on the same doors that touch a common region.
+    """
     atoms = len(initial.atom_area_m2)
     begin = np.searchsorted(initial.cover_atom, np.arange(atoms))
     cover = [
@@ -171,7 +174,7 @@ def bundles(initial: InitialMap) -> tuple[NDArray[np.intp], NDArray[np.intp], ND
 
 
 def odds_and_conflicts(initial: InitialMap, scores: DoorScores | None) -> tuple[NDArray[np.int64], NDArray[np.intp]]:
-    """Log-odds (edges,) of the edges in units of `LOG_ODDS_UNIT`, and conflicting pairs (2, k) of them."""
+    """The log-odds (edges,) of the edges in units of `LOG_ODDS_UNIT`, and their conflicts as pairs (2, k)."""
     edges = len(initial.door)
     if scores is None:
         return np.zeros(edges, np.int64), np.zeros((2, 0), np.intp)
@@ -183,7 +186,7 @@ def odds_and_conflicts(initial: InitialMap, scores: DoorScores | None) -> tuple[
 
 
 def sorted_links(a: NDArray[np.intp], b: NDArray[np.intp], count: int) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """Links without repeats and loops, the smaller node first, sorted."""
+    """The links as sorted pairs, the smaller node first, without duplicates and loops."""
     low, high = np.minimum(a, b), np.maximum(a, b)
     key = np.unique(low[low != high] * np.int64(count) + high[low != high])
     return key // count, key % count
