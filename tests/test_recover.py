@@ -104,7 +104,7 @@ def test_two_damaged_places_cost_two_stages_and_bits_between_records_none(tmp_pa
     found, back = recovered(path)
     assert set(range(len(small_run()[1]))) - back.keys() == {0, 4}
     assert found.missing == ("input: no record", "candidates: no record")
-    assert any("bytes that make no whole record" in text for text in found.damage)
+    assert any("bytes that do not form a complete record" in text for text in found.damage)
 
 
 def test_bytes_that_look_like_a_chunk_hide_none_that_is_one(tmp_path: Path) -> None:
