@@ -86,8 +86,8 @@ def decision(sample: Sample) -> str:
         "corner": f"{kind} candidate and corner {sample.corner}, the sharpest within {sample.window_m:.2f} m",
         "plateau": f"{kind} candidate, not a corner: as sharp as its neighbours, whose middle is "
         f"corner {sample.corner}",
-        "suppressed": f"{kind} candidate, not a corner: sample {sample.rival}, {sample.rival_gap_m:.2f} m away along the "
-        f"path (window {sample.window_m:.2f} m), is sharper, {sample.rival_angle_deg:.1f} deg",
+        "suppressed": f"{kind} candidate, not a corner: sample {sample.rival}, {sample.rival_gap_m:.2f} m along "
+        f"the path (window {sample.window_m:.2f} m), is sharper, {sample.rival_angle_deg:.1f} deg",
     }[sample.decision]
 
 
