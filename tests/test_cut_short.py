@@ -122,7 +122,7 @@ def test_what_is_cut_short_is_told_drawn_and_recovered(fine: Path, tmp_path: Pat
     count = int(drawn.stdout.split()[0])
     assert count > 7
     assert one_line(drawn) == (
-        f"vdoor: note: drawn as far as it is whole, {count} records; "
+        f"vdoor: note: only the intact part was drawn, {count} records; "
         f"recording: wanted a complete MCAP file, found it cut short: {path}"
     )
     assert (tmp_path / "cut.rrd").stat().st_size > 10_000

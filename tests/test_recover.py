@@ -135,7 +135,7 @@ def test_a_file_cut_anywhere_gives_every_stage_before_the_cut(tmp_path: Path, vd
             assert "lost: " in done.out or size > chunks[-1][1]
             out.unlink()
         else:
-            assert done.err == f"vdoor: recover: nothing could be read, no file is written: {path}\n"
+            assert done.err == f"vdoor: recover: no record could be read, no file was written: {path}\n"
 
 
 def test_without_its_settings_a_run_keeps_its_stages(tmp_path: Path, vdoor: Command) -> None:

@@ -170,7 +170,7 @@ def test_pipe_gets_all_stages_as_plain_text(apartment: Path) -> None:
     assert [line.split()[0] for line in done.stdout.splitlines() if "(step " in line] == [
         record.topic for record in Pipeline().records
     ]
-    assert "no terminal" in done.stderr
+    assert "not a terminal" in done.stderr
 
 
 @settings(max_examples=60, deadline=None, derandomize=True)

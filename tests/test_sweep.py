@@ -438,14 +438,14 @@ def test_what_the_method_lacks_is_left_out(command: recorded.Command, tmp_path: 
         (["seed=1", "--maps", "gone"], "sweep: wanted --maps and --reference, found --maps alone"),
         (["seed=1", "--reference", "gone"], "sweep: wanted --maps and --reference, found --reference alone"),
         (["seed=1", "--maps", "gone", "--reference", "gone", "--furnished"], "sweep: wanted either --maps or"),
-        (["seed=1", "--only", "flat"], "sweep: wanted --maps beside options that say how maps are read, found none"),
+        (["seed=1", "--only", "flat"], "sweep: wanted --maps with the options on reading maps, found none"),
         (["seed=1", "--maps", "gone", "--reference", "gone"], "maps: wanted a map, found none: gone"),
         (["seed=1", "--png", str(RECORDINGS / "overview.png")], "output: exists already"),
         (
             ["seed=1", "--png", "no/such/folder/s.png", "--apartments", "1"],
-            "output: wanted a folder that is there, found none: no/such/folder",
+            "output: wanted an existing folder, found none: no/such/folder",
         ),
-        (["seed=1", "--png", f"{__file__}/s.png"], "output: wanted a folder that is there, found none: "),
+        (["seed=1", "--png", f"{__file__}/s.png"], "output: wanted an existing folder, found none: "),
     ],
 )
 def test_wrong_input_is_one_line_and_exit_code_2(command: recorded.Command, words: list[str], message: str) -> None:
