@@ -164,7 +164,7 @@ def test_own_value_is_always_there_once(sweep: str, values: list[Any], own: Any)
         (["seed=0.5,1"], "sweep: seed: wanted whole numbers from 0, found 0.5"),
         (["seed=1", "seed=2"], "sweep: wanted each setting once, found seed twice"),
         (["maps"], "sweep: wanted stage.field=VALUES or seed=VALUES, found 'maps'"),
-        (["seed"], "sweep: seed: wanted FROM..TO:STEP or values with commas between, found nothing"),
+        (["seed"], "sweep: seed: wanted FROM..TO:STEP or a list with commas, found nothing"),
     ],
 )
 def test_wrong_sweeps_are_told_before_anything_runs(sweeps: list[str], message: str) -> None:
