@@ -100,10 +100,10 @@ def _peak(run: History, row: int) -> dict[str, Any]:
     sharpness = cosine(run.curvature)[found.sample]
     gap_m = _gaps(path, int(found.sample[row]), found.sample)
     bend = found.convex & path.turned_left[found.sample] & (not path.on_cracks)
-    rival = (gap_m <= window_m + EPSILON) & (found.convex == found.convex[row]) & ~(bend & bend[row])
-    rival &= sharpness > sharpness[row]
-    if rival.any():
-        best = min(np.flatnonzero(rival), key=lambda other: (-sharpness[other], gap_m[other]))
+    sharper = (gap_m <= window_m + EPSILON) & (found.convex == found.convex[row]) & ~(bend & bend[row])
+    sharper &= sharpness > sharpness[row]
+    if sharper.any():
+        best = min(np.flatnonzero(sharper), key=lambda other: (-sharpness[other], gap_m[other]))
         return {
             "decision": "suppressed",
             "rival": int(found.sample[best]),

@@ -99,9 +99,9 @@ def reasons_of(scores: DoorScores, row: int, *, model: str) -> tuple[float | Non
     curves = model_used(scores, row, model=model)
     if curves is None:
         return None, []
-    says = curves.last.says(scores.feature[[row]], scores.share_rough)[0]
+    contributions = curves.last.says(scores.feature[[row]], scores.share_rough)[0]
     reasons = [
-        Reason(feature=name, value=float(scores.feature[row, at]), log_odds=float(says[at]))
+        Reason(feature=name, value=float(scores.feature[row, at]), log_odds=float(contributions[at]))
         for at, name in enumerate(FEATURES)
     ]
     return curves.last.bias(scores.share_rough), sorted(reasons, key=lambda reason: -reason.log_odds)

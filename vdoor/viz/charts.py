@@ -48,7 +48,7 @@ MOST_WORDS = 4
 
 
 DOTS_PER_INCH = 100
-LOOK: dict[str, Any] = {
+STYLE: dict[str, Any] = {
     "font.family": "DejaVu Sans",  # comes with matplotlib, so independent of the machine's fonts
     "font.size": 9,
     "axes.titlesize": 9,
@@ -165,7 +165,7 @@ def drawing(width_in: float, height_in: float) -> Iterator[Figure]:
     from matplotlib.backends.backend_agg import FigureCanvasAgg  # noqa: PLC0415
     from matplotlib.figure import Figure  # noqa: PLC0415
 
-    with style.context(["default", LOOK]):
+    with style.context(["default", STYLE]):
         figure = Figure(figsize=(width_in, height_in), dpi=DOTS_PER_INCH, layout="constrained")
         FigureCanvasAgg(figure)
         yield figure

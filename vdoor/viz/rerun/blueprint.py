@@ -155,7 +155,9 @@ def doors() -> rrb.Container:
 
 def scores() -> rrb.Container:
     """Tab with scored doors, their scores and features."""
-    likely = flat("Likely doors, doubtful (orange) to sure (green)", WORKING, "map/scores/likely", "map/scores/rivals")
+    likely = flat(
+        "Likely doors, doubtful (orange) to sure (green)", WORKING, "map/scores/likely", "map/scores/conflicts"
+    )
     others = flat("Unlikely and outdone", WORKING, "map/scores/unlikely", "map/scores/outdone")
     rows = rrb.archetypes.DataframeQuery(timeline="row")
     tables = [

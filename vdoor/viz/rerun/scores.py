@@ -39,7 +39,7 @@ def draw_scores(scene: Scene, scores: DoorScores) -> None:
         )
     middle = (start + end) / 2
     joined = strips(middle[scores.rival_a], middle[scores.rival_b])
-    scene.log("map/scores/rivals", rr.LineStrips2D(joined, colors=style.RIVALS, radii=0.05, draw_order=27.0))
+    scene.log("map/scores/conflicts", rr.LineStrips2D(joined, colors=style.CONFLICTS, radii=0.05, draw_order=27.0))
     counts = np.bincount(scores.judgement, minlength=len(JUDGEMENTS))
     judged = ", ".join(f"{count} {word}" for count, word in zip(counts, JUDGEMENTS, strict=True))
     pairs, sure = len(scores.rival_a), int(scores.sure.sum())

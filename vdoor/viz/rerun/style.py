@@ -47,7 +47,7 @@ DOUBTFUL: Colour = (240, 150, 30)
 SURE: Colour = (20, 120, 60)
 SURE_LOG_ODDS = 4.0
 """Log-odds at which a door has the full colour of sure doors; at minus this, that of doubtful doors."""
-RIVALS: Colour = (200, 60, 160)
+CONFLICTS: Colour = (200, 60, 160)
 EDIT: Colour = (150, 40, 190)
 NODE: Colour = (236, 196, 30)
 EDGE_MIDDLE: Colour = (214, 50, 60)

@@ -82,7 +82,7 @@ class Stepper:
         if walk.typing is not None:
             what = "step" if walk.typing[0] == "s" else NAMES[walk.element] or "number"
             return Text(f" jump to {what}: {walk.typing[1:]}_   (Enter jumps, Escape cancels)", style="bold")
-        return Text(f" {walk.said}", style="bold yellow") if walk.said else Text(f" {HELP_LINE}", style="dim")
+        return Text(f" {walk.message}", style="bold yellow") if walk.message else Text(f" {HELP_LINE}", style="dim")
 
     def facts_table(self, walk: Walk) -> Table:
         """Facts about the current element."""

@@ -41,7 +41,7 @@ class Walk:
     """Pixels per cell around the walker; 0 shows the whole map, None is the default of the stage."""
     typing: str | None = None
     """Input typed so far for a jump: g or s, then digits."""
-    said: str = ""
+    message: str = ""
     """Message if the last key had no effect."""
     help: bool = False
     done: bool = False
@@ -86,8 +86,8 @@ def pressed(run: History, walk: Walk, key: str) -> Walk:
     if walk.typing is not None:
         return _typed(run, walk, key)
     if key == "?" or walk.help:
-        return replace(walk, help=not walk.help, said="")
-    walk = replace(walk, said="")
+        return replace(walk, help=not walk.help, message="")
+    walk = replace(walk, message="")
     return KEYS[key](run, walk) if key in KEYS else walk
 
 
@@ -95,18 +95,18 @@ def _stage_by(run: History, walk: Walk, by: int) -> Walk:
     at = run.stages.index(walk.stage) + by
     if 0 <= at < len(run.stages):
         return entered(run, walk, run.stages[at])
-    return replace(walk, said=f"this is the {'last' if by > 0 else 'first'} recorded stage")
+    return replace(walk, message=f"this is the {'last' if by > 0 else 'first'} recorded stage")
 
 
 def _go(run: History, walk: Walk, by: int) -> Walk:
     """The walk `by` stops further, at most to the first or last stop."""
     here = stops(run, walk.stage)
     if not len(here):
-        return replace(walk, said=f"{walk.stage} has nothing to step through; n and p go to other stages")
+        return replace(walk, message=f"{walk.stage} has nothing to step through; n and p go to other stages")
     at = int(np.searchsorted(here, walk.at)) + by
     held = min(max(at, 0), len(here) - 1)
-    said = "" if held == at or abs(by) > 1 else f"this is the {'last' if by > 0 else 'first'} one"
-    return replace(walk.to(walk.element, here[held]), said=said)
+    message = "" if held == at or abs(by) > 1 else f"this is the {'last' if by > 0 else 'first'} one"
+    return replace(walk.to(walk.element, here[held]), message=message)
 
 
 def _to_end(run: History, walk: Walk, end: int) -> Walk:
@@ -118,7 +118,7 @@ def _find(run: History, walk: Walk, *, what: str, forward: bool) -> Walk:
     """The next candidate, corner or rejected door, in the stage that shows it."""
     stage, element = FOUND_IN[what]
     if stage not in run.stages:
-        return replace(walk, said=f"the recording ends before {stage}")
+        return replace(walk, message=f"the recording ends before {stage}")
     rejected = run.doors.verdict != PROPOSED if stage == "doors" else None
     there = stops(run, stage) if rejected is None else np.flatnonzero(rejected)
     at = getattr(walk, element)
@@ -126,7 +126,7 @@ def _find(run: History, walk: Walk, *, what: str, forward: bool) -> Walk:
     if walk.element != element:
         ahead = there[there >= at] if forward else there[there <= at][::-1]
     if not len(ahead):
-        return replace(walk, said=f"no {what} {'after' if forward else 'before'} {element} {at}")
+        return replace(walk, message=f"no {what} {'after' if forward else 'before'} {element} {at}")
     stays = what == "candidate" and walk.stage in ("path", "curvature", "candidates")
     return replace(walk, stage=walk.stage if stays else stage).to(element, ahead[0])
 
@@ -150,7 +150,7 @@ def _typed(run: History, walk: Walk, key: str) -> Walk:
 
 def _to_step(run: History, walk: Walk, step: int) -> Walk:
     if not 0 <= step <= run.last_step:
-        return replace(walk, said=f"steps go from 0 to {run.last_step}")
+        return replace(walk, message=f"steps go from 0 to {run.last_step}")
     topic, index = run.stage_of(step)
     return replace(walk, stage=topic, generation=index) if topic == SEARCH else entered(run, walk, topic)
 
@@ -162,7 +162,7 @@ def _to_number(run: History, walk: Walk, number: int) -> Walk:
     if walk.element == "sample" and number < len(run.path.cell):
         return replace(walk, stage="curvature" if "curvature" in run.stages else "path", sample=number)
     span = f"it has some from {here[0]} to {here[-1]}" if len(here) else "it has none"
-    return replace(walk, said=f"{NAMES[walk.element] or 'number'} {number} is not in this stage; {span}")
+    return replace(walk, message=f"{NAMES[walk.element] or 'number'} {number} is not in this stage; {span}")
 
 
 def _zoomed(walk: Walk, by: int) -> Walk:
