@@ -64,9 +64,9 @@ def test_a_file_cut_anywhere_is_found_and_the_stage_it_ended_in_named(tmp_path: 
         done = vdoor("check", path)
         assert (done.code, done.err) == (1, "")
         ended_in.append(done.out.partition("ends in   ")[2].splitlines()[0])
-    order = ["no stage at all", *STAGES]
+    order = ["no stage", *STAGES]
     assert [order.index(stage) for stage in ended_in] == sorted(order.index(stage) for stage in ended_in)
-    assert ended_in[0] == "no stage at all"
+    assert ended_in[0] == "no stage"
     assert ended_in[-1] == "map"
 
 
@@ -99,7 +99,7 @@ def test_stages_out_of_order_are_named(tmp_path: Path) -> None:
         types=RECORDS,
         emits=emitted,
     )
-    assert health.damage == ("step 3: wanted no path after curvature, found one",)
+    assert health.damage == ("step 3: wanted path before curvature, found it after",)
 
 
 Change = tuple[str, str, object]

@@ -117,13 +117,13 @@ def test_what_is_cut_short_is_told_drawn_and_recovered(fine: Path, tmp_path: Pat
     path.write_bytes(fine.read_bytes()[: fine.stat().st_size * 6 // 10])
     told = call("check", path, code=1).stdout
     assert "stage     door_scores       1\n" in told
-    assert "damage    recording: wanted the end of an MCAP file, found it cut short\n" in told
+    assert "damage    recording: wanted a complete MCAP file, found it cut short\n" in told
     drawn = call("replay", path, "--save", tmp_path / "cut.rrd")
     count = int(drawn.stdout.split()[0])
     assert count > 7
     assert one_line(drawn) == (
-        f"vdoor: note: drawn as far as it is whole, {count} records; "
-        f"recording: wanted the end of an MCAP file, found it cut short: {path}"
+        f"vdoor: note: only the intact part was drawn, {count} records; "
+        f"recording: wanted a complete MCAP file, found it cut short: {path}"
     )
     assert (tmp_path / "cut.rrd").stat().st_size > 10_000
     done = call("recover", path, "-o", fixed)
@@ -221,12 +221,12 @@ def claiming(size: int) -> bytes:
 
 SPOILT: dict[str, tuple[Callable[[], bytes], str]] = {
     "bomb": (lambda: claiming(2**31), "wanted at most 268435456 bytes unpacked, found one that claims 2147483648"),
-    "liar": (lambda: claiming(99_999), "wanted bytes packed with zstd, found others"),
-    "silent": (lambda: zstandard.ZstdCompressor(write_content_size=False).compress(bytes(9)), "does not say"),
-    "cut": (lambda: packed(100_000)[:-3], "wanted bytes packed with zstd, found others"),
-    "more behind": (lambda: packed(9) + packed(9), "wanted bytes packed with zstd, found others"),
-    "not packed": (lambda: b"P5 1 1 255 \xfe", "wanted bytes packed with zstd, found others"),
-    "nothing": (lambda: b"", "wanted bytes packed with zstd, found others"),
+    "liar": (lambda: claiming(99_999), "wanted bytes compressed with zstd, found others"),
+    "silent": (lambda: zstandard.ZstdCompressor(write_content_size=False).compress(bytes(9)), "unknown size"),
+    "cut": (lambda: packed(100_000)[:-3], "wanted bytes compressed with zstd, found others"),
+    "more behind": (lambda: packed(9) + packed(9), "wanted bytes compressed with zstd, found others"),
+    "not packed": (lambda: b"P5 1 1 255 \xfe", "wanted bytes compressed with zstd, found others"),
+    "nothing": (lambda: b"", "wanted bytes compressed with zstd, found others"),
 }
 
 

@@ -50,12 +50,12 @@ def told(folder: Path) -> dict[str, Any]:
 
 def test_commands_edit_the_result_as_a_new_run_does(result: Path, tmp_path: Path, command: recorded.Command) -> None:
     for words, says in (
-        (("rename", result, "1", "Kitchen"), "room 1 is called Kitchen"),
-        (("rename", result, at(4), "Küche 2"), "room 4 is called Küche 2"),
-        (("rename", result, "Kitchen", "Galley"), "room 1 is called Galley"),
-        (("merge", result, "1", "2"), "rooms 1 and 2 are room 1 now, "),
+        (("rename", result, "1", "Kitchen"), "room 1 is now named Kitchen"),
+        (("rename", result, at(4), "Küche 2"), "room 4 is now named Küche 2"),
+        (("rename", result, "Kitchen", "Galley"), "room 1 is now named Galley"),
+        (("merge", result, "1", "2"), "rooms 1 and 2 are now room 1 ("),
         (("split", result, "7.3,4.3", "7.3,4.5"), "room 3 is now rooms 3 ("),
-        (("door", "remove", result, "2"), "the door is open: room "),
+        (("door", "remove", result, "2"), "door removed: room "),
         (("door", "add", result, "2.9,1.5", "2.9,4.3"), "room 4 is now rooms 4 ("),
     ):
         done = command(*words)
@@ -88,7 +88,7 @@ def test_edits_of_the_run_come_first(tmp_path: Path, command: recorded.Command) 
     command("rename", tmp_path / "r", "2", "Den", "--edits", mine)
     assert [edit.name for edit in read_edits(mine)] == ["Kitchen", "Den"]
     done = command("rename", tmp_path / "r", "2", "Hall")
-    assert "made with other edits than this file holds" in done.err
+    assert "made with other edits than those in this file" in done.err
     done = command("rename", tmp_path / "r.mcap", "2", "Hall")
     assert "r.edits.toml" in done.err
     assert [edit.name for edit in read_edits(tmp_path / "r.edits.toml")] == ["Kitchen", "Hall"]
@@ -101,10 +101,10 @@ def test_edits_of_a_run_are_in_its_folder(result: Path, tmp_path: Path, command:
     (result / "edits.toml").write_text(mine)
     assert command(*words, "--edits", result / "edits.toml").err == ""
     assert (result / "edits.toml").read_text() == mine
-    assert "were not done (--edits does them)" in command(*words).err
+    assert "were not applied (--edits applies them)" in command(*words).err
     assert (result / "edits.toml").read_text() == mine
     append_edits(tmp_path / "other.toml", [parse(f"name {at(1)} Hall")])
-    assert "they are kept" in command(*words, "--edits", tmp_path / "other.toml").err
+    assert "which are kept" in command(*words, "--edits", tmp_path / "other.toml").err
     assert (result / "before.edits.toml").read_text() == mine
     assert [edit.name for edit in read_edits(result / "edits.toml")] == ["Hall"]
     assert command("rename", result, "2", "Bath").err.count("\n") == 1
@@ -114,7 +114,7 @@ def test_edit_that_is_done_already_is_not_kept(result: Path, command: recorded.C
     command("rename", result, "1", "Kitchen")
     before = {path.name: path.read_bytes() for path in result.iterdir()}
     done = command("rename", result, "1", "Kitchen")
-    assert (done.code, "is so already" in done.err) == (0, True)
+    assert (done.code, "nothing to change" in done.err) == (0, True)
     assert {path.name: path.read_bytes() for path in result.iterdir()} == before
 
 
@@ -166,11 +166,11 @@ def test_edit_that_cannot_be_written_leaves_all_files_as_they_were(result: Path,
     [
         (("--edits", "none.toml"), 2, "edits file: No such file"),
         (("--edits", "bad.toml"), 2, "edit 1: wanted do = one of"),
-        (("--closed-door", "2.9,6.5"), 2, "wanted a wall of at most 1 m between free places, found none at 2.9,6.5"),
+        (("--closed-door", "2.9,6.5"), 2, "wanted a wall of at most 1 m between free cells, found none at 2.9,6.5"),
         (("--closed-door", "a"), 2, "--closed-door: wanted X,Y, found 'a'"),
         (("--set", "edit.edits=3"), 2, "--set: edit.edits: wanted a list of strings, found 3"),
         (("--set", "edit.edits=['name 1,1']"), 2, "edit.edits: wanted name X,Y NAME"),
-        (("--set", "edit.edits=['merge 1,1 900,1']"), 0, "note: an edit could not be done, no room there: merge"),
+        (("--set", "edit.edits=['merge 1,1 900,1']"), 0, "note: an edit could not be applied, no room there: merge"),
         (("--set", "edit.edits=['merge 1,1 900,1']", "--quiet"), 0, ""),
     ],
 )

@@ -101,7 +101,7 @@ def test_the_robots_place_chooses_what_can_be_reached(
 
 def test_where_the_robot_is_taken_to_be_is_said(tmp_path: Path) -> None:
     path = write_home(tmp_path / "home.json", home(TWO_FLATS, robot_position=SMALL))
-    assert "note: robot at 1.475,0.325, as the map's file says" in call("run", path).stderr
+    assert "note: robot at 1.475,0.325, from the map's file" in call("run", path).stderr
     path = write_home(tmp_path / "home.json", home(TWO_FLATS, robot_position=UNKNOWN))
     assert "the robot's position in the map file is not free" in call("run", path).stderr
 

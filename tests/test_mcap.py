@@ -267,13 +267,15 @@ def test_messages_out_of_place_are_named(tmp_path: Path) -> None:
         return refused(written_by_hand(tmp_path / "hand.mcap", *messages))
 
     start_ns = recorded.time_ns(0)
-    assert "wanted one message a part, found none or two of values" in said(("/vdoor/input/cells", GRID_TYPE, start_ns))
+    assert "wanted one message per part, found none or two of values" in said(
+        ("/vdoor/input/cells", GRID_TYPE, start_ns)
+    )
     assert "wanted nav_msgs/msg/OccupancyGrid in cdr, found std_msgs/msg/String" in said(
         ("/vdoor/input/cells", "std_msgs/msg/String", start_ns)
     )
     assert "wanted the log time of a step" in said(("/vdoor/input/cells", GRID_TYPE, start_ns + 1))
     twice = said(("/vdoor/input/cells", GRID_TYPE, start_ns), ("/vdoor/input/cells", GRID_TYPE, start_ns))
-    assert "step 0 (input): wanted one message a part" in twice
+    assert "step 0 (input): wanted one message per part" in twice
 
 
 def test_steps_out_of_order_are_named(tmp_path: Path) -> None:

@@ -104,7 +104,7 @@ def test_two_damaged_places_cost_two_stages_and_bits_between_records_none(tmp_pa
     found, back = recovered(path)
     assert set(range(len(small_run()[1]))) - back.keys() == {0, 4}
     assert found.missing == ("input: no record", "candidates: no record")
-    assert any("bytes that make no whole record" in text for text in found.damage)
+    assert any("bytes that do not form a complete record" in text for text in found.damage)
 
 
 def test_bytes_that_look_like_a_chunk_hide_none_that_is_one(tmp_path: Path) -> None:
@@ -135,7 +135,7 @@ def test_a_file_cut_anywhere_gives_every_stage_before_the_cut(tmp_path: Path, vd
             assert "lost: " in done.out or size > chunks[-1][1]
             out.unlink()
         else:
-            assert done.err == f"vdoor: recover: nothing could be read, no file is written: {path}\n"
+            assert done.err == f"vdoor: recover: no record could be read, no file was written: {path}\n"
 
 
 def test_without_its_settings_a_run_keeps_its_stages(tmp_path: Path, vdoor: Command) -> None:

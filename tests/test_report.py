@@ -41,7 +41,7 @@ STAGES = "input simplified changed path curvature candidates corners doors rejec
 
 def told(page: str) -> Any:
     """What a page holds."""
-    (text,) = re.findall(r'<script type="application/json" id="told">(.*?)</script>', page, re.DOTALL)
+    (text,) = re.findall(r'<script type="application/json" id="data">(.*?)</script>', page, re.DOTALL)
     return json.loads(text)
 
 

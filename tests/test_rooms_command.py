@@ -81,7 +81,7 @@ def test_middle_of_each_room_is_in_it(pillars: Path) -> None:
 
 @pytest.mark.parametrize(
     ("words", "says"),
-    [(("0,0", "--cells"), "in none"), (("-1,5", "--cells"), "outside"), (("900,900"), "outside")],
+    [(("0,0", "--cells"), "outside all rooms"), (("-1,5", "--cells"), "outside"), (("900,900"), "outside")],
 )
 def test_place_without_a_room_is_one_line_and_1(
     words: tuple[str, ...] | str, says: str, pillars: Path, command: recorded.Command

@@ -143,7 +143,7 @@ def test_overview_says_what_was_recorded_and_where_it_ends(tmp_path: Path, apart
     short = recorded(tmp_path, drawn(TWO_ROOMS), PROVEN, until=VirtualDoors)
     done = called("show", short)
     assert "ends before the final map" in done.stderr
-    assert "not whole" in done.stdout
+    assert "incomplete" in done.stdout
     assert "doors  virtual doors" in done.stdout
 
 

@@ -170,7 +170,7 @@ def test_pipe_gets_all_stages_as_plain_text(apartment: Path) -> None:
     assert [line.split()[0] for line in done.stdout.splitlines() if "(step " in line] == [
         record.topic for record in Pipeline().records
     ]
-    assert "no terminal" in done.stderr
+    assert "not a terminal" in done.stderr
 
 
 @settings(max_examples=60, deadline=None, derandomize=True)
@@ -193,8 +193,8 @@ def test_walk_through_a_recording_that_ends_early_stays_in_it(tmp_path: Path) ->
     run = history(recorded(tmp_path, drawn(TWO_ROOMS), PROVEN, until=Corners))
     walk = entered(run, Walk(run.stages[0]), run.stages[-1])
     assert walk.stage == "corners"
-    assert pressed(run, walk, "n").said
-    assert "ends before doors" in pressed(run, walk, "r").said
+    assert pressed(run, walk, "n").message
+    assert "ends before doors" in pressed(run, walk, "r").message
     assert pressed(run, walk, "c").stage == "candidates"
 
 
@@ -203,5 +203,5 @@ def test_walk_stays_at_the_first_and_at_the_last_one(apartment: Path) -> None:
     first, last = (Walk("path", sample=sample) for sample in (0, len(run.path.cell) - 1))
     for walk, key in ((first, "left"), (first, "up"), (last, "right"), (last, "down")):
         assert pressed(run, walk, key).at == walk.at
-    assert "first" in pressed(run, first, "left").said
-    assert "last" in pressed(run, last, "right").said
+    assert "first" in pressed(run, first, "left").message
+    assert "last" in pressed(run, last, "right").message

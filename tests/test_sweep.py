@@ -164,7 +164,7 @@ def test_own_value_is_always_there_once(sweep: str, values: list[Any], own: Any)
         (["seed=0.5,1"], "sweep: seed: wanted whole numbers from 0, found 0.5"),
         (["seed=1", "seed=2"], "sweep: wanted each setting once, found seed twice"),
         (["maps"], "sweep: wanted stage.field=VALUES or seed=VALUES, found 'maps'"),
-        (["seed"], "sweep: seed: wanted FROM..TO:STEP or values with commas between, found nothing"),
+        (["seed"], "sweep: seed: wanted FROM..TO:STEP or a list with commas, found nothing"),
     ],
 )
 def test_wrong_sweeps_are_told_before_anything_runs(sweeps: list[str], message: str) -> None:
@@ -438,14 +438,14 @@ def test_what_the_method_lacks_is_left_out(command: recorded.Command, tmp_path: 
         (["seed=1", "--maps", "gone"], "sweep: wanted --maps and --reference, found --maps alone"),
         (["seed=1", "--reference", "gone"], "sweep: wanted --maps and --reference, found --reference alone"),
         (["seed=1", "--maps", "gone", "--reference", "gone", "--furnished"], "sweep: wanted either --maps or"),
-        (["seed=1", "--only", "flat"], "sweep: wanted --maps beside options that say how maps are read, found none"),
+        (["seed=1", "--only", "flat"], "sweep: wanted --maps with the options on reading maps, found none"),
         (["seed=1", "--maps", "gone", "--reference", "gone"], "maps: wanted a map, found none: gone"),
         (["seed=1", "--png", str(RECORDINGS / "overview.png")], "output: already exists"),
         (
             ["seed=1", "--png", "no/such/folder/s.png", "--apartments", "1"],
-            "output: wanted a folder that is there, found none: no/such/folder",
+            "output: wanted an existing folder, found none: no/such/folder",
         ),
-        (["seed=1", "--png", f"{__file__}/s.png"], "output: wanted a folder that is there, found none: "),
+        (["seed=1", "--png", f"{__file__}/s.png"], "output: wanted an existing folder, found none: "),
     ],
 )
 def test_wrong_input_is_one_line_and_exit_code_2(command: recorded.Command, words: list[str], message: str) -> None:

@@ -296,7 +296,7 @@ def test_ablation_has_a_row_a_variant_and_mean_and_spread_of_models(trials: list
     models = [Variant(name=f"m{k}", settings={"cost": {"bias": bias}}) for k, bias in enumerate((-50.0, 0.3))]
     rows = list(ablation(trials, PRESETS["default"], variants=variants, models=models))
     assert [row.name for row in rows] == [
-        "whole recipe",
+        "full method",
         "little",
         "m0",
         "m1",
@@ -430,7 +430,7 @@ def test_bare_map_and_grey_are_those_of_evaluate(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("choice", "message"),
     [
-        ({"only": ["nothing"]}, "maps: wanted a map that is chosen among 2, found none"),
+        ({"only": ["nothing"]}, "maps: wanted one of 2 maps to be selected, found none"),
         ({"reference": Path("gone.json")}, "file: cannot be read"),
         ({"free_from": 250}, "--free-from: wanted a map that is a plain image"),
     ],

@@ -173,7 +173,7 @@ def test_files_and_folders_give_a_table_json_and_junit(tmp_path: Path, vdoor: Co
     done = vdoor("verify", folder, torn, "--junit", tmp_path / "junit.xml")
     assert [line.split()[0] for line in done.out.splitlines()[:3]] == ["equal", "differs", "unreadable"]
     assert done.code == 2
-    assert done.err == f"vdoor: recording: wanted the end of an MCAP file, found it cut short: {torn}\n"
+    assert done.err == f"vdoor: recording: wanted a complete MCAP file, found it cut short: {torn}\n"
     (suite,) = ET.parse(tmp_path / "junit.xml").getroot()  # noqa: S314  # our own file
     assert suite.attrib == {"name": "vdoor verify", "tests": "3", "failures": "1", "errors": "1"}
     assert [(case.get("name"), [part.tag for part in case]) for case in suite] == [

@@ -90,7 +90,7 @@ def test_unlikely_doors_are_told_by_the_threshold(tmp_path: Path) -> None:
     fates = [door_fate(run, door) for door in (0, *SINGLES)]
     assert [fate.fate for fate in fates] == ["door", *["unlikely"] * 4]
     assert [(fate.edge, fate.idle) for fate in fates] == [(0, False), *[(-1, False)] * 4]
-    assert ", unlikely, below +1: left out of the search; the map counts as " in text_of(path)
+    assert ", unlikely, below +1: left out of the search; the map is " in text_of(path)
 
 
 def test_outdone_doors_name_the_better_one(tmp_path: Path) -> None:
@@ -113,16 +113,16 @@ def test_conflicts_are_listed_by_which_door_was_kept(tmp_path: Path) -> None:
     assert scores[1].conflicts[0] == Conflict(door=0, log_odds=float(run.scores.log_odds[0]), kept=True)
     text = text_of(path, count=6)
     singles = ", ".join(f"door {door} ({BIAS + SINGLE_SAYS:+.2f})" for door in SINGLES)
-    assert f"conflicts: {singles} beaten\n" in text
-    assert "conflicts: door 0 (+2.50) won over it; " in text
+    assert f"conflicts: {singles} removed\n" in text
+    assert "conflicts: door 0 (+2.50) kept instead; " in text
 
 
 def test_command_tells_scores_as_text_and_json(two_rooms: Path) -> None:
     text = called("why", two_rooms, "--at", "2.1,1.4").stdout
-    assert "score: log-odds +2.50 (92 %, -1.25 before any feature), likely (at least -2): the search decides" in text
+    assert "score: log-odds +2.50 (92 %, bias -1.25), likely (at least -2): passed to the search" in text
     assert (
         "      pass 1: sure, so it was closed in pass 2\n"
-        "      for: pair 1.00 says +2.00, length_m 1.00 says +1.00, same_contour 1.00 says +0.75\n"
+        "      for: pair 1.00 gives +2.00, length_m 1.00 gives +1.00, same_contour 1.00 gives +0.75\n"
         "      against: nothing\n" in text
     )
     (door, *_) = json.loads(called("why", two_rooms, "--at", "2.1,1.4", "--json").stdout)["doors"]
@@ -142,8 +142,8 @@ def test_curves_that_are_no_longer_those_of_the_run_give_no_reasons(tmp_path: Pa
         curves.write_text("{}")
     text = called("why", path, "--at", "2.1,1.4").stdout
     assert "score: log-odds +2.50 (92 %), likely" in text
-    assert "reasons: the curves that this run used are not here" in text
-    assert "says" not in text
+    assert "reasons: not available" in text
+    assert "gives" not in text
 
 
 def test_features_and_bias_add_up_to_each_score(apartment: History) -> None:

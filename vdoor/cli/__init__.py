@@ -1,4 +1,4 @@
-"""The command: parse, call, print. Heavy modules are imported inside the command that needs them."""
+"""The `vdoor` command: parse, call, print. Heavy modules are imported inside the subcommands that need them."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from vdoor.cli import (
 from vdoor.errors import VdoorError, say
 
 app = typer.Typer(
-    help="Rooms and doors from occupancy grid maps, every stage on record.",
+    help="Rooms and doors from occupancy grid maps, with every stage recorded.",
     no_args_is_help=True,
     add_completion=False,
     rich_markup_mode=None,
@@ -65,7 +65,7 @@ COMMANDS = (
 )
 """Name, function, example."""
 CONTEXTS = {name: {"ignore_unknown_options": True} for name in ("room-at", "rename", "split", "merge", "door")}
-"""A place may begin with a minus, and is no option for that."""
+"""Places such as -1.2,3.4 begin with a minus and are not options."""
 
 for name, function, example in COMMANDS:
     app.command(name, epilog=f"Example: {example}", context_settings=CONTEXTS.get(name))(function)

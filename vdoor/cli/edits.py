@@ -18,61 +18,61 @@ if TYPE_CHECKING:
     from vdoor.export import Finished
     from vdoor.topology import TopologicalMap
 
-RoomWord = Annotated[str, typer.Argument(metavar="ROOM", help="A room's id or name, or a place in it as X,Y.")]
-PlaceWord = Annotated[str, typer.Argument(metavar="X,Y", help="An end of the line, m in the map frame.")]
+RoomWord = Annotated[str, typer.Argument(metavar="ROOM", help="Id or name of a room, or a point in it as X,Y.")]
+PlaceWord = Annotated[str, typer.Argument(metavar="X,Y", help="End of the line, metres in the map frame.")]
 EditsFile = Annotated[
     Path | None,
-    typer.Option("--edits", metavar="FILE.toml", help="Where edits are kept. Default: edits.toml in the folder."),
+    typer.Option("--edits", metavar="FILE.toml", help="File that stores the edits. Default: edits.toml in the folder."),
 ]
 
 ID = re.compile("[0-9]{1,9}")
-"""More digits are the id of nothing."""
+"""Pattern of room and door ids; no id is longer."""
 
 
 def rename(
     result: Result,
     room: RoomWord,
-    name: Annotated[str, typer.Argument(metavar="NAME", help="What it is called from now on.")],
+    name: Annotated[str, typer.Argument(metavar="NAME", help="New name.")],
     *,
     edits: EditsFile = None,
 ) -> None:
-    """Give a room a name: in the result folder, and in its edits for the next run."""
+    """Name a room, in the result folder and in its edits for the next run."""
     from vdoor.editing.edits import Edit
 
-    desk = _Desk(result, edits)
-    _, place = desk.room(room)
-    after, (found, *_) = desk.do(Edit("name", (place,), name=name.strip()))
-    print(f"room {found} is called {after.room(found).name}")
+    editor = _Editor(result, edits)
+    _, place = editor.room(room)
+    after, (found, *_) = editor.do(Edit("name", (place,), name=name.strip()))
+    print(f"room {found} is now named {after.room(found).name}")
 
 
 def split(result: Result, start: PlaceWord, end: PlaceWord, *, edits: EditsFile = None) -> None:
-    """Cut a room in two along a line, which goes on to the room's walls."""
+    """Split a room in two along a line, which is extended to the room's walls."""
     from vdoor.editing.edits import Edit
 
-    desk = _Desk(result, edits)
-    _say_parts(desk.do(Edit("split", (desk.place(start), desk.place(end)))))
+    editor = _Editor(result, edits)
+    _print_split(editor.do(Edit("split", (editor.place(start), editor.place(end)))))
 
 
 def merge(result: Result, room: RoomWord, other: RoomWord, *, edits: EditsFile = None) -> None:
-    """Make two rooms that touch one, which keeps the id and name of the first."""
+    """Merge two adjacent rooms; the merged room keeps the id and name of the first."""
     from vdoor.editing.edits import Edit
 
-    desk = _Desk(result, edits)
-    (one, place), (two, beside) = desk.room(room), desk.room(other)
+    editor = _Editor(result, edits)
+    (one, place), (two, beside) = editor.room(room), editor.room(other)
     if one == two:
         raise SettingError(f"merge: wanted two rooms, found room {one} twice: {result}")
-    after, _ = desk.do(Edit("merge", (place, beside)))
-    print(f"rooms {one} and {two} are room {one} now, {after.room(one).area_m2:.2f} m2")
+    after, _ = editor.do(Edit("merge", (place, beside)))
+    print(f"rooms {one} and {two} are now room {one} ({after.room(one).area_m2:.2f} m2)")
 
 
 def door(
-    action: Annotated[str, typer.Argument(metavar="add|remove", help="What to do.")],
+    action: Annotated[str, typer.Argument(metavar="add|remove", help="Action.")],
     result: Result,
     places: Annotated[list[str], typer.Argument(metavar="PLACES", help="add: X,Y X,Y; remove: DOOR or X,Y.")],
     *,
     edits: EditsFile = None,
 ) -> None:
-    """Add a door from one place to another, jamb to jamb, or remove one: the rooms it joins become one."""
+    """Add a door from jamb to jamb, or remove a door, which merges its rooms."""
     from vdoor.editing.edits import Edit
 
     wanted = {"add": 2, "remove": 1}
@@ -80,27 +80,27 @@ def door(
         raise SettingError(f"door: wanted add or remove, found {action!r}")
     if len(places) != wanted[action]:
         raise SettingError(f"door {action}: wanted {['DOOR or X,Y', 'X,Y X,Y'][wanted[action] - 1]}, found {places}")
-    desk = _Desk(result, edits)
+    editor = _Editor(result, edits)
     if action == "add":
-        start, end = (desk.place(text) for text in places)
-        _say_parts(desk.do(Edit("add-door", (start, end))))
+        start, end = (editor.place(text) for text in places)
+        _print_split(editor.do(Edit("add-door", (start, end))))
         return
-    place = desk.door(places[0])
-    before = {room.id for room in desk.topology.rooms}
-    after, (kept, *_) = desk.do(Edit("remove-door", (place,)))
+    place = editor.door(places[0])
+    before = {room.id for room in editor.topology.rooms}
+    after, (kept, *_) = editor.do(Edit("remove-door", (place,)))
     gone = ", ".join(map(str, sorted(before - set(after.room_ids))))
-    print(f"the door is open: room {kept} takes in room {gone}")
+    print(f"door removed: room {gone} is now part of room {kept}")
 
 
 class Done(NamedTuple):
-    """The map after an edit, and the ids of the rooms that it speaks of: largest part of a cut first."""
+    """The map after an edit, and the ids of the affected rooms; after a split, the largest piece comes first."""
 
     topology: TopologicalMap
     rooms: list[int]
 
 
-class _Desk:
-    """A result that is edited, and the file that its edits are kept in."""
+class _Editor:
+    """A result to edit, and the file that stores its edits."""
 
     def __init__(self, result: Path, file: Path | None) -> None:
         from vdoor.export import read_finished
@@ -114,13 +114,13 @@ class _Desk:
         self.file = file or beside
 
     def place(self, text: str, *, what: str = "place", wanted: str = "X,Y") -> Point:
-        """Where X,Y is."""
+        """Point from X,Y."""
         from vdoor.editing.places import parse_place
 
         return parse_place(text, what=what, wanted=wanted)
 
     def room(self, word: str) -> tuple[int, Point]:
-        """A room by its id, its name or a place in it: its id and that place, or its middle."""
+        """Id of a room given by id, name or a point in it, and that point or the room's centre."""
         topology = self.topology
         if ID.fullmatch(word):
             room = topology.room(int(word))
@@ -130,28 +130,28 @@ class _Desk:
             place = self.place(word, what="room", wanted="a room's id, its name or X,Y")
             at = topology.room_at(place)
             if at is None:
-                raise SettingError(f"room: wanted a place in a room, found none at {word}: {self.result}")
+                raise SettingError(f"room: wanted a point in a room, found none at {word}: {self.result}")
             return at.id, place
         return room.id, room.centre_m
 
     def door(self, word: str) -> Point:
-        """Where a door is, by its id or a place."""
+        """Middle of a door given by its id, or the given point."""
         if not ID.fullmatch(word):
             return self.place(word, what="door", wanted="a door's id or X,Y")
         door = self.topology.door(int(word))
         return (door.start_m[0] + door.end_m[0]) / 2, (door.start_m[1] + door.end_m[1]) / 2
 
     def do(self, edit: Edit) -> Done:
-        """The map after an edit, which is kept; `VdoorError` where it cannot be done on this map."""
+        """The map after an edit, which is stored; `VdoorError` if it cannot be applied to this map."""
         from vdoor.editing.apply import DONE, NEEDLESS, VERDICTS, EditRooms
         from vdoor.editing.edits import parse
 
-        edit = parse(str(edit))  # places to the millimetre, as the file has them
-        after, told = EditRooms(edits=(str(edit),), taken=self._older.taken)(self.topology)
-        assert told is not None  # there is an edit to tell of
-        verdict, rooms = VERDICTS[told.verdict[0]], told.touched_room.tolist()
+        edit = parse(str(edit))  # points to the millimetre, as in the file
+        after, record = EditRooms(edits=(str(edit),), taken=self._older.taken)(self.topology)
+        assert record is not None  # there is an edit
+        verdict, rooms = VERDICTS[record.verdict[0]], record.touched_room.tolist()
         if verdict == NEEDLESS:
-            say(f"note: that is so already: {self.result}")
+            say(f"note: nothing to change: {self.result}")
         elif verdict != DONE:
             raise VdoorError(f"{edit}: {verdict}: {self.result}")
         else:
@@ -159,7 +159,7 @@ class _Desk:
         return Done(after, rooms)
 
     def _keep(self, edit: Edit, after: TopologicalMap) -> None:
-        """Write the edit behind those that the result was made with, and the map after it into the folder."""
+        """Append the edit to those that the result was made with, and write the edited map into the folder."""
         from vdoor.editing.edits import append_edits, read_edits
         from vdoor.files import write_whole
         from vdoor.results.writing import rewritten
@@ -167,17 +167,17 @@ class _Desk:
         before = list(self._older.edits)
         lines = [*map(str, before), str(edit)]
         files = rewritten(self.result, after, lines) if self.result.is_dir() else []
-        there = read_edits(self.file) if self.file.exists() else before
-        if there != before:
-            say(f"note: the result was made with other edits than this file holds: {self.file}")
+        stored = read_edits(self.file) if self.file.exists() else before
+        if stored != before:
+            say(f"note: the result was made with other edits than those in this file: {self.file}")
         append_edits(self.file, [edit] if self.file.exists() else [*before, edit])
         for path, content in files:
             write_whole(path, content)
-        say(f"edits are in {self.file}; `vdoor run MAP --edits {self.file}` does them again")
+        say(f"edits are stored in {self.file}; `vdoor run MAP --edits {self.file}` applies them again")
 
 
-def _say_parts(done: Done) -> None:
-    """Which rooms there are now where one was cut."""
-    parts = (done.topology.room(number) for number in done.rooms)
-    rooms = " and ".join(f"{room.id} ({room.area_m2:.2f} m2)" for room in parts)
+def _print_split(done: Done) -> None:
+    """Print the rooms that a room was split into."""
+    pieces = (done.topology.room(number) for number in done.rooms)
+    rooms = " and ".join(f"{room.id} ({room.area_m2:.2f} m2)" for room in pieces)
     print(f"room {done.rooms[0]} is now rooms {rooms}")

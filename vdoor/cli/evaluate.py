@@ -20,58 +20,62 @@ if TYPE_CHECKING:
 
 Maps = Annotated[Path, typer.Argument(metavar="MAPS", help="Folder of maps, or a map.")]
 Reference = Annotated[
-    Path, typer.Option("--reference", metavar="REF", help="True labels, rooms drawn white, doors in JSON; or folder.")
+    Path,
+    typer.Option("--reference", metavar="REF", help="Truth: labels, rooms in white, or doors in JSON; or a folder."),
 ]
 BareMap = Annotated[
-    Path | None, typer.Option(metavar="MAP", help="Unfurnished map that REF's rooms were drawn on, or a folder.")
+    Path | None, typer.Option(metavar="MAP", help="Unfurnished map on which REF's rooms were drawn, or a folder.")
 ]
 FreeFrom = Annotated[
-    int | None, typer.Option(min=0, max=255, metavar="GREY", help="Cells are measured from this grey on.")
+    int | None, typer.Option(min=0, max=255, metavar="GREY", help="Only cells at least this grey are measured.")
 ]
-Only = Annotated[list[str] | None, typer.Option(metavar="TEXT", help="Maps with it in their name; repeatable.")]
-Exclude = Annotated[list[str] | None, typer.Option(metavar="TEXT", help="No maps with it in their name; repeatable.")]
-Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Nothing on stderr but errors.")]
+Only = Annotated[list[str] | None, typer.Option(metavar="TEXT", help="Only maps with TEXT in their name; repeatable.")]
+Exclude = Annotated[list[str] | None, typer.Option(metavar="TEXT", help="No maps with TEXT in their name; repeatable.")]
+Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Only errors on stderr.")]
 
 
 def evaluate(
     result: Annotated[
-        Path, typer.Argument(metavar="RESULT", help="Folder of `vdoor run --out`, label image, or folder of these.")
+        Path, typer.Argument(metavar="RESULT", help="Folder from `vdoor run --out`, label image, or folder of these.")
     ],
     *,
     reference: Annotated[
         Path,
-        typer.Option("--reference", metavar="REF", help="True labels, rooms drawn white, doors in JSON; or folder."),
+        typer.Option(
+            "--reference", metavar="REF", help="Truth: labels, rooms in white, or doors in JSON; or a folder."
+        ),
     ],
     map_: Annotated[
-        Path | None, typer.Option("--map", metavar="MAP", help="Map of a label image, or a folder of maps.")
+        Path | None, typer.Option("--map", metavar="MAP", help="Map that belongs to a label image, or folder of maps.")
     ] = None,
     bare_map: Annotated[
-        Path | None, typer.Option(metavar="MAP", help="Unfurnished map that REF's rooms were drawn on, or a folder.")
+        Path | None, typer.Option(metavar="MAP", help="Unfurnished map on which REF's rooms were drawn, or a folder.")
     ] = None,
     resolution: Resolution = None,
     free_from: Annotated[
-        int | None, typer.Option(min=0, max=255, metavar="GREY", help="Cells of --map are free from this grey on.")
+        int | None, typer.Option(min=0, max=255, metavar="GREY", help="Cells of --map at least this grey are free.")
     ] = None,
     min_: Annotated[
-        list[str] | None, typer.Option("--min", metavar="FIGURE=X", help="Exit code 1 below it; repeatable.")
+        list[str] | None,
+        typer.Option("--min", metavar="FIGURE=X", help="Exit code 1 if FIGURE is below X; repeatable."),
     ] = None,
     save: Annotated[Path | None, typer.Option(metavar="FILE.rrd", help="Hits and misses over the map.")] = None,
     force: Force = False,
     as_json: Json = False,
-    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Nothing on stderr but errors.")] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Only errors on stderr.")] = False,
 ) -> None:
-    """Measure rooms and doors against the truth."""
+    """Evaluate rooms and doors against ground truth."""
     from vdoor.errors import SettingError
     from vdoor.evaluate import MapChoice, evaluate_case, matched, tables
     from vdoor.files import refuse_existing
 
     if free_from is not None and map_ is None:
-        raise SettingError("--free-from: wanted --map beside it, found none")
+        raise SettingError("--free-from: wanted --map as well, found none")
     given = [path for path in (result, reference, map_, bare_map) if path]
     refuse_existing([save] if save else [], force=force, reads=given)
     cases = matched(result, reference)
     maps = MapChoice(path=map_, resolution_m=resolution, free_from=free_from)
-    with _notes_said(quiet=quiet):
+    with _notes_on_stderr(quiet=quiet):
         evaluations = [evaluate_case(case, maps, bare_map) for case in cases.cases]
     short = tables.shortfalls(tables.summary(evaluations), min_ or ())
     for name, partner in tables.lonely(cases) if not quiet else ():
@@ -90,8 +94,8 @@ def evaluate(
 
 
 @contextmanager
-def _notes_said(*, quiet: bool) -> Iterator[None]:
-    """Say on stderr what readers warn of, each thing once."""
+def _notes_on_stderr(*, quiet: bool) -> Iterator[None]:
+    """Write the warnings of readers to stderr, each one once."""
     import warnings
 
     with warnings.catch_warnings(record=True) as notes:
@@ -111,7 +115,7 @@ def ablate(
     only: Only = None,
     exclude: Exclude = None,
     model: Annotated[
-        list[Path] | None, typer.Option(metavar="FILE", help="Also with these curves of `vdoor train`; repeatable.")
+        list[Path] | None, typer.Option(metavar="FILE", help="Also with curves from `vdoor train`; repeatable.")
     ] = None,
     preset: Preset = DEFAULT_PRESET,
     set_: Set = None,
@@ -119,7 +123,7 @@ def ablate(
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> None:
-    """Measure what each part of the recipe is worth, on maps whose rooms or doors are known."""
+    """Measure the effect of each part of the method, on maps with known rooms or doors."""
     from vdoor.experiments import ablation, tables, variants_with
 
     pipeline = chosen_pipeline(preset, None, set_)
@@ -127,7 +131,7 @@ def ablate(
     choice = chosen(reference, bare_map, resolution_m=resolution, free_from=free_from, only=only, exclude=exclude)
     trials = read(maps, choice, quiet=quiet)
     found = ablation(trials, pipeline, variants=variants, models=models, seed=seed)
-    rows = _said(found, quiet=quiet)
+    rows = _with_progress(found, quiet=quiet)
     table = tables.table(rows, tables.ABLATION, "variant")
     _print(tables.document(rows, trials, preset, seed) if as_json else table)
 
@@ -147,13 +151,13 @@ def robust(
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> None:
-    """Measure what doors lose on maps turned, in larger cells, and with noise on their walls."""
+    """Measure how door detection degrades on rotated maps, larger cells and noisy walls."""
     from vdoor.experiments import robustness, tables
 
     pipeline = chosen_pipeline(preset, None, set_)
     choice = chosen(reference, bare_map, resolution_m=resolution, free_from=free_from, only=only, exclude=exclude)
     trials = read(maps, choice, quiet=quiet)
-    rows = _said(robustness(trials, pipeline, seed=seed), quiet=quiet)
+    rows = _with_progress(robustness(trials, pipeline, seed=seed), quiet=quiet)
     table = tables.table(rows, tables.ROBUSTNESS, "maps")
     _print(tables.document(rows, trials, preset, seed) if as_json else table)
 
@@ -167,7 +171,7 @@ def chosen(
     only: list[str] | None,
     exclude: list[str] | None,
 ) -> Choice:
-    """Which maps are tried, and how they are read, from the options that say so."""
+    """Selection of maps, and how to read them, from the options."""
     from vdoor.experiments import Choice
 
     return Choice(
@@ -177,10 +181,10 @@ def chosen(
 
 
 def read(maps: Path, choice: Choice, *, quiet: bool) -> list[Trial]:
-    """Maps with references; those without, and what readers warn of, on stderr."""
+    """Maps with references; notes on maps without, and readers' warnings, go to stderr."""
     from vdoor.experiments import read_trials
 
-    with _notes_said(quiet=quiet):
+    with _notes_on_stderr(quiet=quiet):
         found = read_trials(maps, choice)
     for name in () if quiet else found.without_reference:
         say(f"note: {name} has no reference and is not measured")
@@ -189,8 +193,8 @@ def read(maps: Path, choice: Choice, *, quiet: bool) -> list[Trial]:
     return found.trials
 
 
-def _said(rows: Iterable[Row], *, quiet: bool) -> list[Row]:
-    """All rows; each on stderr as soon as it is there."""
+def _with_progress(rows: Iterable[Row], *, quiet: bool) -> list[Row]:
+    """All rows; each is written to stderr as soon as it is measured."""
     found = []
     for row in rows:
         found.append(row)
@@ -199,6 +203,6 @@ def _said(rows: Iterable[Row], *, quiet: bool) -> list[Row]:
     return found
 
 
-def _print(told: Mapping[str, Any] | Iterable[str]) -> None:
-    """A table, or a document as JSON."""
-    print(json.dumps(told, indent=1, allow_nan=False) if isinstance(told, Mapping) else "\n".join(told))
+def _print(result: Mapping[str, Any] | Iterable[str]) -> None:
+    """Print the lines of a table, or a document as JSON."""
+    print(json.dumps(result, indent=1, allow_nan=False) if isinstance(result, Mapping) else "\n".join(result))

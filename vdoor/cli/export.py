@@ -1,4 +1,4 @@
-"""`vdoor export`, and what `vdoor run --export` needs of it."""
+"""`vdoor export`, and the exports of `vdoor run --export`."""
 
 from __future__ import annotations
 
@@ -19,32 +19,35 @@ if TYPE_CHECKING:
 
 
 def export(
-    result: Annotated[Path, typer.Argument(metavar="RESULT", help="An .mcap, or a folder of `vdoor run --out`.")],
+    result: Annotated[Path, typer.Argument(metavar="RESULT", help="An .mcap, or a folder from `vdoor run --out`.")],
     *,
     to: Annotated[str, typer.Option("--to", metavar="FORMAT", help="One of the formats above.")],
     out: Annotated[
-        Path | None, typer.Option("--out", "-o", metavar="FILE", help="Default: text is printed, an image needs it.")
+        Path | None,
+        typer.Option("--out", "-o", metavar="FILE", help="Output file; text is printed without it."),
     ] = None,
     room: Annotated[
         list[int] | None,
-        typer.Option("--room", metavar="ID", help="A room to stay in, for keepout and virtual-walls; repeatable."),
+        typer.Option(
+            "--room", metavar="ID", help="Room for keepout or virtual-walls to keep the robot in; repeatable."
+        ),
     ] = None,
     force: Force = False,
 ) -> None:
-    """Give a result to other programs.
+    """Export a result for other programs.
 
     \b
-    nav2-route     route graph for Nav2's route server (GeoJSON): rooms and doors as nodes, metres along free space
-    graphml        the graph alone: rooms as nodes, doors as edges
+    nav2-route     route graph for Nav2's route server (GeoJSON): rooms and doors as nodes, costs in metres
+    graphml        the graph only: rooms as nodes, doors as edges
     json           the whole result as a node-link graph, with a JSON Schema
     geojson        rooms as polygons with holes, doors as lines, in metres of the map frame
-    labels         room ids as PNG of 16 bits or PGM, with a map_server YAML
+    labels         room ids as 16-bit PNG or PGM, with a map_server YAML
     keepout        Nav2 keepout mask of all but the rooms given by --room, PNG or PGM with YAML
-    virtual-walls  walls across the doors (out of --room, if given) for robot vacuums: Valetudo's restrictions, in cm
+    virtual-walls  walls across doors (only those out of --room, if given), as Valetudo's restrictions, in cm
     rmf            Open-RMF navigation graph with doors (YAML)
     svg            a picture of rooms and doors
-    report         a web page of its own: map with every stage, rooms, doors, cost curve, settings (stages: from .mcap)
-    """  # noqa: D301  # \b keeps the lines of the list apart
+    report         a self-contained web page: map, rooms, doors, settings, and from an .mcap also stages and cost curve
+    """  # noqa: D301  # \b keeps the lines of the list separate
     from vdoor.export import Export, files_of, read_finished, refuse_files, writer_named
 
     wanted = Export(writer_named(to), out, tuple(room or ()))
@@ -62,7 +65,7 @@ def export(
 
 
 class RunExports:
-    """What `vdoor run` is to export, FORMAT=FILE each; `SettingError` for anything else."""
+    """The exports of `vdoor run`, each given as FORMAT=FILE; `SettingError` for any other text."""
 
     def __init__(self, texts: Sequence[str]) -> None:
         self.all: list[Export] = []
@@ -78,7 +81,7 @@ class RunExports:
         return [path for item in self.all for path in item.files]
 
     def sinks(self, info: RunInfo) -> list[Sink]:
-        """What has to see the records of the run, if any export tells of them."""
+        """Sinks that collect the records of the run, if an export needs them."""
         if not any(item.takes_provenance for item in self.all):
             return []
         from vdoor.history.provenance import Provenance
@@ -87,7 +90,7 @@ class RunExports:
         return [self._provenance.run]
 
     def write(self, topology: TopologicalMap, map_file: Path) -> VdoorError | None:
-        """Write all that this map has; why not, for the first that it has not."""
+        """Write all exports that this map has; the error of the first one that failed, or None."""
         if not self.all:
             return None
         from vdoor.export import Finished

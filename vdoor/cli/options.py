@@ -1,4 +1,4 @@
-"""Options that several commands share, and what they are turned into."""
+"""Options that several commands share, and functions that evaluate them."""
 
 from __future__ import annotations
 
@@ -21,21 +21,21 @@ MapFile = Annotated[
 ]
 PRESET_HELP = "paper (as printed), default, voronoi-doors or eroded-space."
 Preset = Annotated[str, typer.Option(help=PRESET_HELP)]
-Seed = Annotated[int, typer.Option(min=0, help="Seed of everything random.")]
+Seed = Annotated[int, typer.Option(min=0, help="Random seed.")]
 Config = Annotated[Path | None, typer.Option(metavar="FILE.toml", help="Settings file, see `vdoor config`.")]
 Set = Annotated[list[str] | None, typer.Option("--set", metavar="STAGE.FIELD=VALUE", help="One setting; repeatable.")]
-Resolution = Annotated[float | None, typer.Option(metavar="M", help="Cell size where the map does not say it.")]
-Unknown = Annotated[int | None, typer.Option(metavar="GREY", help="Read cells of this grey as unknown, say 205.")]
-Topic = Annotated[str | None, typer.Option(metavar="NAME", help="Which nav_msgs/OccupancyGrid of a bag.")]
-MaxCells = Annotated[int, typer.Option(metavar="N", help="Refuse larger maps.")]
+Resolution = Annotated[float | None, typer.Option(metavar="M", help="Cell size in metres, if the map has none.")]
+Unknown = Annotated[int | None, typer.Option(metavar="GREY", help="Read cells of this grey as unknown, such as 205.")]
+Topic = Annotated[str | None, typer.Option(metavar="NAME", help="Topic of the nav_msgs/OccupancyGrid in a bag.")]
+MaxCells = Annotated[int, typer.Option(metavar="N", help="Refuse maps with more cells.")]
 Force = Annotated[bool, typer.Option("--force", help="Overwrite existing files.")]
-Json = Annotated[bool, typer.Option("--json", help="The result as JSON on stdout.")]
+Json = Annotated[bool, typer.Option("--json", help="Print the result as JSON.")]
 
 
 def read_grid(
     path: Path, resolution_m: float | None, unknown: int | None, cells: int, *, topic: str | None = None, quiet: bool
 ) -> OccupancyGrid:
-    """Read a map, or one that is piped in, with the reader's warnings on stderr."""
+    """Map from a file or from stdin; the reader's warnings go to stderr."""
     import sys
     import warnings
 
@@ -46,7 +46,7 @@ def read_grid(
         if str(path) != PIPE:
             grid = read_map(path, resolution_m=resolution_m, unknown_value=unknown, topic=topic, max_cells=cells)
         elif topic is not None:
-            raise SettingError("--topic: wanted a bag to choose from, found a pipe")
+            raise SettingError("--topic: wanted a bag, found a pipe")
         else:
             grid = read_piped(sys.stdin.buffer, resolution_m=resolution_m, unknown_value=unknown, max_cells=cells)
     for note in () if quiet else notes:
@@ -57,7 +57,7 @@ def read_grid(
 def chosen_pipeline(
     preset: str, file: Path | None, assignments: list[str] | None, *, robot: tuple[float, float] | None = None
 ) -> AnyPipeline:
-    """The preset with the settings file, then --set, then --robot laid over it."""
+    """The preset, overridden by the settings file, then by --set, then by --robot."""
     from vdoor.config import parse_assignments, read_toml, with_settings
     from vdoor.pipeline import METHODS, preset_named
 
@@ -74,12 +74,12 @@ def chosen_pipeline(
 
 
 def robot_place(grid: OccupancyGrid, text: str | None, *, cells: bool) -> tuple[float, float] | None:
-    """X,Y in the map frame from the command line."""
+    """Point in the map frame from --robot; None if it was not given."""
     return None if text is None else place_in(grid.frame, text, what="--robot", cells=cells)
 
 
 def place_in(frame: Frame, text: str, *, what: str, cells: bool) -> Point:
-    """Place from the command line, X,Y of the map frame or COL,ROW of its cells; an error says `what` it is for."""
+    """Point from the command line, X,Y in the map frame or COL,ROW of its cells; errors begin with `what`."""
     from vdoor.editing.places import parse_place
 
     x, y = parse_place(text, what=what, wanted="COL,ROW" if cells else "X,Y")
@@ -92,13 +92,13 @@ def place_in(frame: Frame, text: str, *, what: str, cells: bool) -> Point:
 
 
 def prepared_pipeline(pipeline: AnyPipeline, grid: OccupancyGrid, *, quiet: bool) -> AnyPipeline:
-    """The pipeline as `vdoor.run` takes it for this map; where the robot is by the map's file is said on stderr."""
+    """The pipeline that `vdoor.run` uses for this map; a robot position from the map's file is noted on stderr."""
     from vdoor.api import prepared
 
-    there, note = prepared(pipeline, grid)
-    if there != pipeline:
-        x_m, y_m = there.simplify.robot_m
-        note = f"robot at {x_m:g},{y_m:g}, as the map's file says (--robot says another place)"
+    ready, note = prepared(pipeline, grid)
+    if ready != pipeline:
+        x_m, y_m = ready.simplify.robot_m
+        note = f"robot at {x_m:g},{y_m:g}, from the map's file (--robot overrides it)"
     if note and not quiet:
         say(f"note: {note}")
-    return there
+    return ready

@@ -14,23 +14,26 @@ from vdoor.errors import SettingError, say
 def paper(
     *,
     out: Annotated[
-        Path | None, typer.Option(metavar="DIR", help="Also README.md with pictures, and a recording of each run.")
+        Path | None,
+        typer.Option(metavar="DIR", help="Also write README.md, pictures, and a recording of each run."),
     ] = None,
-    rrd: Annotated[bool, typer.Option("--rrd", help="With --out: also Rerun recordings, to look at.")] = False,
+    rrd: Annotated[bool, typer.Option("--rrd", help="With --out: also Rerun recordings.")] = False,
     apartments: Annotated[
-        int, typer.Option(min=1, max=100_000, metavar="N", help="Apartments, empty and furnished, for Table I.")
+        int,
+        typer.Option(min=1, max=100_000, metavar="N", help="Number of apartments for Table I, empty and furnished."),
     ] = 200,
     graphs: Annotated[
-        int, typer.Option(min=1, max=100_000, metavar="N", help="Maps whose searches are held against the optimum.")
+        int,
+        typer.Option(min=1, max=100_000, metavar="N", help="Number of maps for comparing the search with the optimum."),
     ] = 60,
     seed: Seed = 0,
     force: Force = False,
     as_json: Json = False,
-    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Nothing on stderr but errors.")] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Only errors on stderr.")] = False,
 ) -> None:
-    """Do the paper's figures, table and claims again, ours beside the printed: 0 if all claims hold, 1 if not."""
+    """Reproduce the paper's figures, table and claims beside the printed ones: 0 if all claims hold, 1 if not."""
     if rrd and out is None:
-        raise SettingError("--rrd: wanted a folder for the recordings as well, say --out paper")
+        raise SettingError("--rrd: wanted --out with a folder for the recordings, found none")
     from vdoor.files import refuse_existing, refuse_folder
     from vdoor.paper import report, tables
     from vdoor.paper.claims import Size, claims, gather_evidence

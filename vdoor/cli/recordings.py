@@ -24,20 +24,20 @@ Rec = Annotated[Path, typer.Argument(metavar="REC.mcap", help="Recording of a ru
 
 
 SaveDifferences = Annotated[
-    Path | None, typer.Option("--save", metavar="FILE.rrd", help="Both runs over each other, differences marked.")
+    Path | None, typer.Option("--save", metavar="FILE.rrd", help="Rerun recording of both runs, differences marked.")
 ]
 
 
 def verify(
-    recordings: Annotated[list[Path], typer.Argument(metavar="REC.mcap...", help="Recordings, and folders of them.")],
+    recordings: Annotated[list[Path], typer.Argument(metavar="REC.mcap...", help="Recordings, or folders of them.")],
     *,
-    junit: Annotated[Path | None, typer.Option(metavar="FILE.xml", help="The same for a CI system.")] = None,
+    junit: Annotated[Path | None, typer.Option(metavar="FILE.xml", help="Also write a JUnit report, for CI.")] = None,
     save: SaveDifferences = None,
     force: Force = False,
     max_cells: MaxCells = 100_000_000,
     as_json: Json = False,
 ) -> None:
-    """Run recordings again from their own contents: 0 if all is equal, 1 if not, 2 if one cannot be read."""
+    """Repeat recorded runs and compare the results: 0 if all are equal, 1 if not, 2 if one cannot be read."""
     from vdoor.files import refuse_existing, write_whole
     from vdoor.recording import diff_report
 
@@ -62,7 +62,7 @@ def diff(
     force: Force = False,
     as_json: Json = False,
 ) -> None:
-    """Compare two recordings, settings first, then stage by stage: 0 if all is equal, 1 if not."""
+    """Compare two recordings, settings first, then stage by stage: 0 if they are equal, 1 if not."""
     from vdoor.errors import printable
     from vdoor.files import refuse_existing
     from vdoor.pipeline import RECORDS
@@ -87,7 +87,7 @@ def diff(
 
 
 def info(rec: Rec, *, as_json: Json = False) -> None:
-    """Say what a recording holds: run, map, settings, stages, and whether it is whole."""
+    """Describe a recording: run, map, settings, stages, and whether it is complete."""
     from vdoor.errors import printable
     from vdoor.pipeline import RECORDS, emitted
     from vdoor.recording import check as checking
@@ -98,15 +98,15 @@ def info(rec: Rec, *, as_json: Json = False) -> None:
         raise RecordingError(f"{health.damage[0]}: {rec}")
     changed = _changed(health.info)
     if as_json:
-        said = checking.run_table(health.info) | {"changed": changed} | checking.health_table(health)
-        print(diff_report.to_json(said))
+        document = checking.run_table(health.info) | {"changed": changed} | checking.health_table(health)
+        print(diff_report.to_json(document))
         return
     for line in [*checking.run_lines(health.info, changed), *checking.health_lines(health)]:
         print(printable(line))
 
 
 def check(rec: Rec, *, as_json: Json = False) -> None:
-    """Read all of a recording and compare every checksum and index: 0 if it is whole, 1 if not."""
+    """Read a whole recording and check every checksum and index: 0 if it is intact and complete, 1 if not."""
     from vdoor.errors import printable
     from vdoor.pipeline import RECORDS, emitted
     from vdoor.recording import check as checking
@@ -123,11 +123,11 @@ def check(rec: Rec, *, as_json: Json = False) -> None:
 def recover(
     broken: Annotated[Path, typer.Argument(metavar="BROKEN.mcap", help="Damaged, cut short or .partial.")],
     *,
-    out: Annotated[Path, typer.Option("--out", "-o", metavar="FIXED.mcap", help="Where to write what is whole.")],
+    out: Annotated[Path, typer.Option("--out", "-o", metavar="FIXED.mcap", help="Recording to write.")],
     force: Force = False,
     as_json: Json = False,
 ) -> None:
-    """Write a whole recording of what a damaged one still holds: 1 and no file if that is nothing."""
+    """Save the intact records of a damaged recording as a valid one: 1 and no file if there are none."""
     from vdoor.errors import printable
     from vdoor.files import refuse_existing
     from vdoor.pipeline import RECORDS, emitted
@@ -143,14 +143,14 @@ def recover(
         kept = [f"{topic:12s} {count:6d}" for topic, count in found.records.items()]
         print("\n".join(map(printable, [*kept, *lost])))
     if not found.records:
-        say(f"recover: nothing could be read, no file is written: {broken}")
+        say(f"recover: no record could be read, no file was written: {broken}")
         raise typer.Exit(1)
 
 
 def golden(
-    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Where they are.")] = Path("recordings/golden"),
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of recordings.")] = Path("recordings/golden"),
 ) -> None:
-    """Record the golden maps anew, and print what changed, for the commit message."""
+    """Record the golden maps again, and print the differences, for the commit message."""
     from vdoor import goldens
 
     for line in goldens.remade(folder):
@@ -158,7 +158,7 @@ def golden(
 
 
 def _files(paths: list[Path]) -> Iterator[Path]:
-    """The recordings, and those in the folders by name."""
+    """The given recordings, and those in the given folders, sorted by name."""
     for path in paths:
         if not path.is_dir():
             yield path
@@ -171,7 +171,7 @@ def _files(paths: list[Path]) -> Iterator[Path]:
 
 @contextmanager
 def _drawn(save: Path | None, run: RunInfo) -> Iterator[Listener]:
-    """Something that draws each pair of records into `save`, which is whole at the end or not there; or nothing."""
+    """A listener that draws each pair of records into `save`, written completely or not at all; without it, ignore."""
     from vdoor.outputs import interruptible
     from vdoor.recording.diff import ignore
 
@@ -191,7 +191,7 @@ def _drawn(save: Path | None, run: RunInfo) -> Iterator[Listener]:
 
 
 def _verified(path: Path, max_cells: int, save: Path | None) -> Result:
-    """One recording run again; an error becomes its result, so that the others are verified too."""
+    """Result of repeating one recorded run; an error becomes its result, so that the others are still verified."""
     import warnings
 
     from vdoor.pipeline import RECORDS
@@ -204,7 +204,7 @@ def _verified(path: Path, max_cells: int, save: Path | None) -> Result:
         if recording.info.version != __version__:
             say(f"note: written by vdoor {recording.info.version!r}, this is {__version__}: {path}")
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # said when it was recorded
+            warnings.simplefilter("ignore")  # reported when it was recorded
             with _drawn(save, recording.info) as listen:
                 report = verified(recording, lambda run, emit: _run_again(run, emit, max_cells), listen=listen)
             return Result(path=path, report=report)
@@ -215,7 +215,7 @@ def _verified(path: Path, max_cells: int, save: Path | None) -> Result:
 
 
 def _run_again(recording: Recording, emit: Emit, max_cells: int) -> None:
-    """Run the method on the recorded source (or grid, where no files were kept), with its settings and seed."""
+    """Run the method on the recorded source (or the grid, if no files were stored), with its settings and seed."""
     import numpy as np
 
     from vdoor.formats import read_source
@@ -231,7 +231,7 @@ def _run_again(recording: Recording, emit: Emit, max_cells: int) -> None:
 
 
 def _changed(run: RunInfo) -> list[Setting] | None:
-    """Settings that are not the preset's, None where there is no such preset."""
+    """Settings that differ from the preset; None if the preset is unknown."""
     from vdoor.config import settings_of
     from vdoor.pipeline import METHODS, PRESETS
     from vdoor.recording.diff import settings_that_differ

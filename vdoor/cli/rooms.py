@@ -1,4 +1,4 @@
-"""`vdoor rooms` and `vdoor room-at`: asking a finished map."""
+"""`vdoor rooms` and `vdoor room-at`: queries on a finished map."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from vdoor.errors import say
 if TYPE_CHECKING:
     from vdoor.topology import Door, Room, TopologicalMap
 
-Result = Annotated[Path, typer.Argument(metavar="RESULT", help="An .mcap, or a folder of `vdoor run --out`.")]
+Result = Annotated[Path, typer.Argument(metavar="RESULT", help="An .mcap, or a folder from `vdoor run --out`.")]
 
 
 class Line(NamedTuple):
@@ -31,9 +31,9 @@ COLUMNS: tuple[tuple[str, Callable[[Line], str]], ...] = (
     ("doors", lambda line: " ".join(str(door.id) for door in line.doors) or "none"),
     ("neighbours", lambda line: " ".join(map(str, line.room.neighbours)) or "none"),
 )
-"""Head of each column of the table, and what it says of a room."""
+"""Heading of each column of the table, and its text for a room."""
 NAMES: tuple[tuple[str, Callable[[Line], str]], ...] = (("name", lambda line: line.room.name),)
-"""The same where rooms have names."""
+"""Additional column if any room has a name."""
 
 
 def rooms(result: Result, *, as_json: Json = False) -> None:
@@ -47,26 +47,26 @@ def rooms(result: Result, *, as_json: Json = False) -> None:
         print(json.dumps({"rooms": [_table(line) for line in lines]}))
         return
     columns = [COLUMNS[0], *(NAMES if any(line.room.name for line in lines) else ()), *COLUMNS[1:]]
-    cells = [[head for head, _ in columns], *([tell(line) for _, tell in columns] for line in lines)]
+    cells = [[head for head, _ in columns], *([text(line) for _, text in columns] for line in lines)]
     widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
     for row in cells:
         print("  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip())
 
 
 def room_at(
-    place: Annotated[str, typer.Argument(metavar="X,Y", help="Where, m in the map frame.")],
+    place: Annotated[str, typer.Argument(metavar="X,Y", help="Point, metres in the map frame.")],
     result: Result,
     *,
-    cells: Annotated[bool, typer.Option("--cells", help="The place is COL,ROW of the map instead.")] = False,
+    cells: Annotated[bool, typer.Option("--cells", help="The point is COL,ROW of the map instead.")] = False,
     as_json: Json = False,
 ) -> None:
-    """Tell which room a place is in: 0 and the room's number, or 1 where there is no room."""
+    """Print the room at a point: 0 and the room's number, or 1 if there is no room."""
     import json
 
     from vdoor.editing.places import parse_place
     from vdoor.export import read_finished
 
-    parse_place(place, wanted="COL,ROW" if cells else "X,Y")  # refused before anything is read
+    parse_place(place, wanted="COL,ROW" if cells else "X,Y")  # checked before the result is read
     topology = read_finished(result).topology
     place_m = place_in(topology.frame, place, what="place", cells=cells)
     cell, room = topology.cell_at(place_m), topology.room_at(place_m)
@@ -76,7 +76,7 @@ def room_at(
     elif room:
         print(f"room {room.id}{f'  {room.name}' * bool(room.name)}")
     if not room:
-        say(f"room-at: no room at {place}, {'a cell that is in none' if cell else 'outside the map'}: {result}")
+        say(f"room-at: no room at {place}, {'a cell outside all rooms' if cell else 'outside the map'}: {result}")
         raise typer.Exit(1)
 
 

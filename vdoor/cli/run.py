@@ -42,43 +42,41 @@ if TYPE_CHECKING:
 def run(
     map_file: MapFile,
     *,
-    save: Annotated[Path | None, typer.Option(metavar="FILE.rrd", help="Rerun recording, to look at.")] = None,
-    mcap: Annotated[Path | None, typer.Option(metavar="FILE.mcap", help="MCAP recording, exact.")] = None,
+    save: Annotated[Path | None, typer.Option(metavar="FILE.rrd", help="Rerun recording, for viewing.")] = None,
+    mcap: Annotated[Path | None, typer.Option(metavar="FILE.mcap", help="MCAP recording, with exact values.")] = None,
     out: Annotated[Path | None, typer.Option(metavar="DIR", help="rooms.png, rooms.yaml, grid.png, map.json.")] = None,
     export: Annotated[
         list[str] | None,
-        typer.Option(
-            "--export", metavar="FORMAT=FILE", help="Also for other programs, see `vdoor export`; repeatable."
-        ),
+        typer.Option("--export", metavar="FORMAT=FILE", help="Also export the map, see `vdoor export`; repeatable."),
     ] = None,
     preset: Preset = DEFAULT_PRESET,
     config: Config = None,
     set_: Set = None,
     seed: Seed = 0,
-    robot: Annotated[str | None, typer.Option(metavar="X,Y", help="Where the robot is, m in the map frame.")] = None,
+    robot: Annotated[str | None, typer.Option(metavar="X,Y", help="Robot position, metres in the map frame.")] = None,
     cells: Annotated[bool, typer.Option("--cells", help="--robot is COL,ROW of the map instead.")] = False,
     edits: Annotated[
         Path | None, typer.Option("--edits", metavar="FILE.toml", help="Edits of rooms and doors, see `vdoor rename`.")
     ] = None,
     closed_door: Annotated[
         list[str] | None,
-        typer.Option("--closed-door", metavar="X,Y", help="A wall that is a door which was shut; repeatable."),
+        typer.Option("--closed-door", metavar="X,Y", help="Wall that is a closed door, to be opened; repeatable."),
     ] = None,
     match: Annotated[
         Path | None,
-        typer.Option("--match", metavar="OLD", help="Older result or .mcap: rooms keep its ids, names and edits."),
+        typer.Option("--match", metavar="OLD", help="Older result or .mcap whose room ids, names and edits are kept."),
     ] = None,
     resolution: Resolution = None,
     unknown_value: Unknown = None,
     topic: Topic = None,
     max_cells: MaxCells = 100_000_000,
-    connect: Annotated[str | None, typer.Option(metavar="URL", help="Stream to a Rerun viewer that runs.")] = None,
+    connect: Annotated[str | None, typer.Option(metavar="URL", help="Stream to a running Rerun viewer.")] = None,
     serve: Annotated[bool, typer.Option("--serve", help="Stream to a web viewer on 127.0.0.1.")] = False,
     spawn: Annotated[bool, typer.Option("--spawn", help="Open a Rerun viewer and stream to it.")] = False,
     force: Force = False,
     as_json: Json = False,
-    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Nothing on stderr but errors.")] = False,
-    verbose: Annotated[bool, typer.Option("--verbose", "-v", help="Every stage on stderr, with its time.")] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Only errors on stderr.")] = False,
+    verbose: Annotated[bool, typer.Option("--verbose", "-v", help="Print each stage and its time on stderr.")] = False,
 ) -> None:
     """Find the rooms and doors of a map."""
     from vdoor.api import run_prepared
@@ -97,12 +95,11 @@ def run(
     pipeline = with_edits(pipeline, edits, closed_door or (), grid)
     found = None
     if match is not None:
-        own = edits is not None
-        pipeline, found = matched(match, grid, pipeline, seed=seed, edits_too=not own, quiet=quiet)
+        pipeline, found = matched(match, grid, pipeline, seed=seed, edits_too=edits is None, quiet=quiet)
     info = _info(grid, preset, pipeline, seed)
     with opened(outputs, info) as recording:
-        told = [*([] if quiet else [Progress(verbose=verbose)]), *EditNotes.sinks(pipeline, quiet=quiet)]
-        watch = Stopwatch(Recorder([*recording.sinks, *exports.sinks(info), *told]))
+        notes = [*([] if quiet else [Progress(verbose=verbose)]), *EditNotes.sinks(pipeline, quiet=quiet)]
+        watch = Stopwatch(Recorder([*recording.sinks, *exports.sinks(info), *notes]))
         topology = run_prepared(grid, pipeline, seed=seed, emit=watch)
         recording.finish_files()
         document = writing.document_of(topology, info, watch.cpu_s) | ({"match": found.document()} if found else {})
@@ -127,7 +124,7 @@ def config(*, preset: Preset = DEFAULT_PRESET, config: Config = None, set_: Set 
 
 
 def _refuse_outputs(written: Sequence[Path], folder: Path | None, reads: Sequence[Path], *, force: bool) -> None:
-    """Raise `VdoorError` where something cannot be written, or would overwrite what it must not."""
+    """Raise `VdoorError` if an output cannot be written or must not be overwritten."""
     from vdoor.files import refuse_existing, refuse_folder
 
     refuse_existing(written, force=force, reads=reads)
@@ -136,7 +133,7 @@ def _refuse_outputs(written: Sequence[Path], folder: Path | None, reads: Sequenc
 
 
 def _refuse_sources(written: Sequence[Path], map_file: Path, grid: OccupancyGrid) -> None:
-    """Raise `VdoorError` where an output would take the place of what the map's file names, such as its image."""
+    """Raise `VdoorError` if an output would overwrite a file that belongs to the map, such as its image."""
     from vdoor.files import refuse_input
 
     names = [name for name, _ in grid.source.files]

@@ -1,4 +1,4 @@
-"""Edits in `vdoor run`: from files and options, from an older result, and what came of them."""
+"""Edits in `vdoor run`: from files and options, from an older result, and notes on their results."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ if TYPE_CHECKING:
     from vdoor.record import Record
 
 EDITS = "edits.toml"
-LITTLE = 0.5
-"""Maps that have less of their rooms' area in common are hardly of the same place."""
+LEAST_OVERLAP = 0.5
+"""Maps that share less of their rooms' area are probably not of the same place."""
 
 
 def with_edits(
     pipeline: AnyPipeline, file: Path | None, closed_doors: Sequence[str], grid: OccupancyGrid
 ) -> AnyPipeline:
-    """The pipeline with the edits of a file, then doors that were shut; `SettingError` where no wall is at a place."""
+    """The pipeline with the edits of a file, then closed doors to open; `SettingError` for a point without a wall."""
     from vdoor.editing.closed_doors import THICKEST_M, openings
     from vdoor.editing.edits import Edit, read_edits
     from vdoor.editing.places import parse_place
@@ -35,7 +35,7 @@ def with_edits(
         place = parse_place(text, what="--closed-door")
         if openings(grid.free, grid.frame, [place])[0] is None:
             raise SettingError(
-                f"--closed-door: wanted a wall of at most {THICKEST_M:g} m between free places, found none at {text}"
+                f"--closed-door: wanted a wall of at most {THICKEST_M:g} m between free cells, found none at {text}"
             )
         edits.append(Edit("closed-door", (place,)))
     if not edits:
@@ -45,32 +45,32 @@ def with_edits(
 
 
 def leave_edits(folder: Path, lines: Sequence[str], *, quiet: bool) -> None:
-    """Write the edits of a run into its folder; other edits that stood there go on under another name."""
+    """Write the edits of a run into its folder; other edits found there are kept under another name."""
     from vdoor.editing.edits import append_edits, parse, read_edits
     from vdoor.files import write_whole
 
     path, before = folder / EDITS, folder / f"before.{EDITS}"
     edits = [parse(line) for line in lines]
-    there = path.read_bytes() if path.is_file() else None
+    existing = path.read_bytes() if path.is_file() else None
     if not edits:
-        if there is not None and not quiet:
-            say(f"note: edits in the folder were not done (--edits does them): {path}")
+        if existing is not None and not quiet:
+            say(f"note: edits in the folder were not applied (--edits applies them): {path}")
         return
-    if there is not None:
-        with contextlib.suppress(VdoorError):  # such as what was written by hand and is no edit
+    if existing is not None:
+        with contextlib.suppress(VdoorError):  # for example invalid text written by hand
             if read_edits(path) == edits:
                 return
-        write_whole(before, there)
+        write_whole(before, existing)
         path.unlink()
         if not quiet:
-            say(f"note: other edits were in the folder, they are kept: {before}")
+            say(f"note: the folder had other edits, which are kept: {before}")
     append_edits(path, edits)
 
 
 def matched(
     older: Path, grid: OccupancyGrid, pipeline: AnyPipeline, *, seed: int, edits_too: bool, quiet: bool
 ) -> tuple[AnyPipeline, Match]:
-    """The pipeline with the ids and names of an older result, and what became of its rooms, told on stderr."""
+    """The pipeline with the ids and names of an older result, and the match, which is printed on stderr."""
     from vdoor.export import read_finished
     from vdoor.matching import Older, carried_over
 
@@ -80,24 +80,24 @@ def matched(
     pipeline, found = carried_over(old, grid, pipeline, seed=seed, edits_too=edits_too)
     for line in () if quiet else found.lines():
         say(line)
-    if found.alignment.overlap < LITTLE and not quiet:
-        say(f"note: the two maps have little in common; are they of the same place? {older}")
+    if found.alignment.overlap < LEAST_OVERLAP and not quiet:
+        say(f"note: the two maps overlap little; are they of the same place? {older}")
     return pipeline, found
 
 
 class EditNotes:
-    """A sink that says on stderr which edits could not be done."""
+    """A sink that prints on stderr which edits could not be applied."""
 
     def __init__(self, lines: Sequence[str]) -> None:
         self._lines = lines
 
     @classmethod
     def sinks(cls, pipeline: AnyPipeline, *, quiet: bool) -> list[Sink]:
-        """One, where there is something to say and someone who listens."""
+        """One such sink if the run has edits, unless quiet."""
         return [cls(pipeline.edit.edits)] if pipeline.edit.edits and not quiet else []
 
     def write(self, step: int, record: Record) -> None:
-        """Say it of the one record that tells."""
+        """Print notes on the record of edits; ignore other records."""
         from vdoor.editing.apply import DONE, NEEDLESS, Edits, told
 
         del step
@@ -105,7 +105,7 @@ class EditNotes:
             return
         for line, verdict in told(record, self._lines):
             if verdict not in (DONE, NEEDLESS):
-                say(f"note: an edit could not be done, {verdict}: {line}")
+                say(f"note: an edit could not be applied, {verdict}: {line}")
 
     def close(self) -> None:
         """Nothing to finish."""

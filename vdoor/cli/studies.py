@@ -14,16 +14,16 @@ from vdoor.errors import SettingError, say
 
 def synth(
     stem: Annotated[
-        Path | None, typer.Argument(metavar="STEM", help="Writes STEM.pgm, STEM.yaml and the truth beside.")
+        Path | None, typer.Argument(metavar="STEM", help="Write STEM.pgm, STEM.yaml and the truth beside them.")
     ] = None,
     *,
-    kind: Annotated[str, typer.Option(help="Settings to start from: paper, paper-5cm, home or office.")] = "paper",
+    kind: Annotated[str, typer.Option(help="Preset of settings: paper, paper-5cm, home or office.")] = "paper",
     set_: Annotated[list[str] | None, typer.Option("--set", metavar="FIELD=VALUE", help="One setting.")] = None,
     seed: Seed = 0,
     show: Annotated[bool, typer.Option("--show", help="Print the settings instead.")] = False,
     force: Force = False,
 ) -> None:
-    """Draw a map of our own making, with its true rooms and doors."""
+    """Draw a synthetic map, with its true rooms and doors."""
     import numpy as np
 
     from vdoor.config import commented, parse_assignments, replaced
@@ -38,23 +38,23 @@ def synth(
         print("\n".join(commented(settings)))
         return
     if stem is None:
-        raise SettingError("synth: wanted STEM, the name of the files without their endings")
+        raise SettingError("synth: wanted STEM, the name of the files without their suffixes, found none")
     refuse_existing([stem.with_name(f"{stem.name}.pgm"), stem.with_name(f"{stem.name}.yaml")], force=force)
     for path in write_synthetic(synthesize(settings, np.random.default_rng(seed)), stem, seed=seed):
         print(path)
 
 
 def bench(
-    maps: Annotated[list[Path] | None, typer.Argument(metavar="[MAP]...", help="Default: a synthetic one.")] = None,
+    maps: Annotated[list[Path] | None, typer.Argument(metavar="[MAP]...", help="Default: a synthetic map.")] = None,
     *,
-    tile: Annotated[int, typer.Option(min=1, max=64, metavar="N", help="Repeat each map N x N times, joined.")] = 1,
-    record: Annotated[bool, typer.Option("--record", help="Also with both recordings, to a scratch folder.")] = False,
+    tile: Annotated[int, typer.Option(min=1, max=64, metavar="N", help="Tile each map N x N.")] = 1,
+    record: Annotated[bool, typer.Option("--record", help="Also measure runs that write both recordings.")] = False,
     preset: Preset = DEFAULT_PRESET,
     set_: Set = None,
     resolution: Resolution = None,
     as_json: Json = False,
 ) -> None:
-    """Measure CPU seconds of the method, stage by stage."""
+    """Measure the CPU time of the method, stage by stage."""
     from vdoor.experiments import benchmark
     from vdoor.outputs import both_recordings
 
@@ -68,8 +68,8 @@ def bench(
 
 def search_study(
     *,
-    graphs: Annotated[int, typer.Option(min=1, help="Initial maps, from synthetic apartments.")] = 60,
-    seeds: Annotated[int, typer.Option(min=1, help="Searches a graph.")] = 50,
+    graphs: Annotated[int, typer.Option(min=1, help="Number of initial maps, from synthetic apartments.")] = 60,
+    seeds: Annotated[int, typer.Option(min=1, help="Number of searches per map.")] = 50,
     set_: Set = None,
     as_json: Json = False,
 ) -> None:
@@ -85,26 +85,24 @@ def search_study(
 
 def train(
     *,
-    output: Annotated[Path, typer.Option("-o", "--output", metavar="FILE.json", help="The curves.")],
-    homes: Annotated[int, typer.Option(min=0, help="Synthetic homes.")] = 800,
-    offices: Annotated[int, typer.Option(min=0, help="Synthetic office floors.")] = 400,
+    output: Annotated[Path, typer.Option("-o", "--output", metavar="FILE.json", help="File for the curves.")],
+    homes: Annotated[int, typer.Option(min=0, help="Number of synthetic homes.")] = 800,
+    offices: Annotated[int, typer.Option(min=0, help="Number of synthetic office floors.")] = 400,
     seed: Seed = 0,
     rounds: Annotated[
         int,
         typer.Option(
-            min=1, max=100, help="Fit so often, to synthetic maps of one seed after the other; take the mean."
+            min=1, max=100, help="Number of fits, each to synthetic maps of the next seed; the mean is written."
         ),
     ] = 1,
-    maps: Annotated[Path | None, typer.Option(metavar="DIR", help="Labelled maps of your own, as well.")] = None,
-    reference: Annotated[Path | None, typer.Option(metavar="REF", help="Their truth, as for `vdoor evaluate`.")] = None,
-    bare_map: Annotated[
-        Path | None, typer.Option(metavar="DIR", help="The maps that label references were drawn on.")
-    ] = None,
-    resolution: Annotated[float | None, typer.Option(metavar="M", help="Metres a cell, for images.")] = None,
-    weight: Annotated[float, typer.Option(min=0, max=1000, help="How much each of your maps counts.")] = 3.0,
+    maps: Annotated[Path | None, typer.Option(metavar="DIR", help="Also fit to your own labelled maps.")] = None,
+    reference: Annotated[Path | None, typer.Option(metavar="REF", help="Truth of these, see `vdoor evaluate`.")] = None,
+    bare_map: Annotated[Path | None, typer.Option(metavar="DIR", help="Maps on which REF's rooms were drawn.")] = None,
+    resolution: Annotated[float | None, typer.Option(metavar="M", help="Cell size of images, in metres.")] = None,
+    weight: Annotated[float, typer.Option(min=0, max=1000, help="Weight of each of your own maps.")] = 3.0,
     force: Force = False,
 ) -> None:
-    """Fit the curves that score doors; use them with --set score.model=FILE.json."""
+    """Fit the curves that score doors, for use with --set score.model=FILE.json."""
     import functools
 
     from vdoor import train as training
@@ -127,7 +125,7 @@ def train(
         made["labelled_maps"] = len(own)
         made["command"] += f" --maps {maps.name} --reference {reference.name} --weight {weight:g}"
 
-    def told(number: int, draw: training.Draw) -> training.TrainingMap:
+    def with_progress(number: int, draw: training.Draw) -> training.TrainingMap:
         if number % 50 == 0:
             say(f"map {number} of {len(own) + homes + offices}")
         return draw()
@@ -136,9 +134,9 @@ def train(
     for number in range(rounds):
         say(f"round {number + 1} of {rounds}")
         draws = [*map(training.known, own), *training.synthetic_maps(homes, offices, seed + number)]
-        training_maps = [functools.partial(told, *both) for both in enumerate(draws, 1)]
+        training_maps = [functools.partial(with_progress, *both) for both in enumerate(draws, 1)]
         models.append(training.fitted_model(training_maps, pipeline, made))
     model = training.mean_of(models, made)
     training.write_model(output, model)
-    said, real = (model.made[name] for name in ("examples", "real_doors"))
-    print(f"{output}: {rounds * (len(own) + homes + offices)} maps, {said} virtual doors, {real} of them real")
+    examples, real = (model.made[name] for name in ("examples", "real_doors"))
+    print(f"{output}: {rounds * (len(own) + homes + offices)} maps, {examples} virtual doors, {real} of them real")

@@ -17,10 +17,10 @@ if TYPE_CHECKING:
     from vdoor.experiments import Choice, Point, Step, Trial
 
 PAPER = "paper"
-"""The preset whose settings are swept where none is named."""
+"""Preset to use if no setting is named."""
 APARTMENTS = 20
 CELL_M = 0.05
-"""Of an apartment's map: fine enough that the working resolution can be swept."""
+"""Cell size of an apartment's map: fine enough to sweep the working resolution."""
 
 
 def sweep(
@@ -28,16 +28,16 @@ def sweep(
         list[str] | None,
         typer.Argument(
             metavar="SETTING=VALUES",
-            help="VALUES are FROM..TO:STEP or with commas between; SETTING is stage.field or seed. "
-            "Default: all that the paper chose.",
+            help="VALUES are FROM..TO:STEP or a list with commas; SETTING is stage.field or seed. "
+            "Default: all settings that the paper gives values for.",
         ),
     ] = None,
     *,
     maps: Annotated[
-        Path | None, typer.Option(metavar="MAPS", help="Folder of maps, or a map. Default: synthetic apartments.")
+        Path | None, typer.Option(metavar="MAPS", help="Map or folder of maps. Default: synthetic apartments.")
     ] = None,
     reference: Annotated[
-        Path | None, typer.Option(metavar="REF", help="The truth about MAPS, as for `vdoor evaluate`; or folder.")
+        Path | None, typer.Option(metavar="REF", help="Truth of MAPS, see `vdoor evaluate`; or a folder.")
     ] = None,
     bare_map: BareMap = None,
     free_from: FreeFrom = None,
@@ -45,12 +45,12 @@ def sweep(
     only: Only = None,
     exclude: Exclude = None,
     apartments: Annotated[
-        int | None, typer.Option(min=1, metavar="N", help=f"Synthetic apartments.  [default: {APARTMENTS}]")
+        int | None, typer.Option(min=1, metavar="N", help=f"Number of synthetic apartments.  [default: {APARTMENTS}]")
     ] = None,
     furnished: Annotated[bool, typer.Option("--furnished", help="Apartments with furniture.")] = False,
     preset: Annotated[
         str | None,
-        typer.Option(help=f"{PRESET_HELP}  [default: {DEFAULT_PRESET}, or {PAPER} where no SETTING is named]"),
+        typer.Option(help=f"{PRESET_HELP}  [default: {DEFAULT_PRESET}, or {PAPER} if no SETTING is given]"),
     ] = None,
     set_: Set = None,
     seed: Seed = 0,
@@ -62,11 +62,11 @@ def sweep(
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> None:
-    """Measure what a setting does: the same maps at each of its values.
+    """Measure the effect of a setting: run the same maps at each of its values.
 
-    The value that the preset (or --set) has anyway is always among them, with a star. A map on which a run fails
-    counts as one on which nothing was found. Doors found are contacts between rooms, as `vdoor evaluate` has them;
-    virtual ones are those of the result's own list, as the paper counts them; accuracy is matched / virtual.
+    The value of the preset (or --set) is always included, marked with a star. A map on which the run fails counts as
+    one without any door found. Found doors are contacts between rooms, as in `vdoor evaluate`; virtual doors are those
+    in the result's list, as the paper counts them; accuracy is matched / virtual.
     """
     from vdoor.config import settings_of
     from vdoor.experiments import steps, sweep_report
@@ -78,7 +78,7 @@ def sweep(
     _refuse_pictures(save, png, force=force)
     choice = None
     if maps is None and (bare_map or resolution or free_from is not None or only or exclude):
-        raise SettingError("sweep: wanted --maps beside options that say how maps are read, found none")
+        raise SettingError("sweep: wanted --maps with the options on reading maps, found none")
     if reference is not None:
         choice = chosen(reference, bare_map, resolution_m=resolution, free_from=free_from, only=only, exclude=exclude)
     trials = _trials(maps, choice, apartments, furnished=furnished, quiet=quiet)
@@ -98,14 +98,14 @@ def sweep(
 
 
 def _refuse_pictures(save: Path | None, png: Path | None, *, force: bool) -> None:
-    """VdoorError, before anything runs, where what is drawn could not be written."""
+    """Raise `VdoorError`, before anything runs, if the charts could not be written."""
     from vdoor.files import refuse_existing, refuse_folder
 
     files = [path for path in (save, png) if path]
     refuse_existing(files, force=force)
     for path in files:
         if not path.parent.is_dir():
-            raise SettingError(f"output: wanted a folder that is there, found none: {path.parent}")
+            raise SettingError(f"output: wanted an existing folder, found none: {path.parent}")
         refuse_folder(path.parent)
     if png is not None:
         from vdoor.viz.charts import require_matplotlib
@@ -114,7 +114,7 @@ def _refuse_pictures(save: Path | None, png: Path | None, *, force: bool) -> Non
 
 
 def _draw(points: list[Point], save: Path | None, png: Path | None) -> None:
-    """The charts, where they are wanted."""
+    """Write the requested charts."""
     if save is not None:
         from vdoor.viz.rerun.sweep import save_sweeps
 
@@ -129,7 +129,7 @@ def _draw(points: list[Point], save: Path | None, png: Path | None) -> None:
 def _trials(
     maps: Path | None, choice: Choice | None, apartments: int | None, *, furnished: bool, quiet: bool
 ) -> list[Trial]:
-    """The maps asked for, or apartments."""
+    """The given maps, or synthetic apartments."""
     from vdoor.experiments import trial_of
     from vdoor.paper.door_counts import FIRST_SEED
     from vdoor.paper.door_counts import apartment_maps as drawn
@@ -145,7 +145,7 @@ def _trials(
 
 
 def _swept(todo: list[Step], trials: list[Trial], *, quiet: bool) -> list[Point]:
-    """All points; each on stderr as soon as it is there."""
+    """All points; each is printed on stderr as soon as it is measured."""
     from vdoor.experiments import swept
     from vdoor.experiments.sweep_report import value_text
 

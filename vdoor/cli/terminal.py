@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 RecordingFile = Annotated[Path, typer.Argument(metavar="REC.mcap", help="Recording made with `vdoor run --mcap`.")]
 PIPE_COLUMNS = 120
 FRAME_LINES = 6
-"""Lines of a screen that a map leaves free for its title, its legend and the prompt."""
+"""Lines of a screen reserved for the title, the legend and the prompt."""
 ALL = 10**6
 TERMINAL_ROWS = 40
 
@@ -27,11 +27,11 @@ TERMINAL_ROWS = 40
 def show(
     recording: RecordingFile,
     *,
-    stage: Annotated[str | None, typer.Option(metavar="STAGE", help="One stage by its name, or `all`.")] = None,
-    step: Annotated[int | None, typer.Option(min=0, metavar="N", help="The record of one step.")] = None,
-    rows: Annotated[int | None, typer.Option(min=1, help="Rows of a table at most (terminal: 40, pipe: all).")] = None,
+    stage: Annotated[str | None, typer.Option(metavar="STAGE", help="Name of a stage, or `all`.")] = None,
+    step: Annotated[int | None, typer.Option(min=0, metavar="N", help="Show the record of this step.")] = None,
+    rows: Annotated[int | None, typer.Option(min=1, help="Maximum rows of a table (terminal: 40, pipe: all).")] = None,
 ) -> None:
-    """Draw a recording's stages in the terminal; without options what it holds and how it ended."""
+    """Show a recording's stages in the terminal; without options, an overview and the last stage."""
     from vdoor.viz.terminal.show import overview
 
     run, console = _read(recording), _console()
@@ -56,14 +56,14 @@ def _print_stages(
 
 
 def step(recording: RecordingFile) -> None:
-    """Walk through a recording with keys: stages, samples, doors, generations; `?` lists them."""
+    """Step through a recording with keys: stages, samples, doors, generations; `?` lists the keys."""
     import sys
 
     from vdoor.outputs import interruptible
 
     run, console = _read(recording), _console()
     if not (console.is_terminal and sys.stdin.isatty()) or console.is_dumb_terminal:
-        say("step: this is no terminal that keys could be read from; here are the stages as text")
+        say("step: cannot read keys, as this is not a terminal; showing the stages as text")
         _print_stages(run, console, run.stages)
         return
     from vdoor.viz.terminal.stepper import Stepper
@@ -75,12 +75,12 @@ def step(recording: RecordingFile) -> None:
 def why(
     recording: RecordingFile,
     *,
-    at: Annotated[str, typer.Option(metavar="X,Y", help="Where, m in the map frame.")],
+    at: Annotated[str, typer.Option(metavar="X,Y", help="Point, metres in the map frame.")],
     cells: Annotated[bool, typer.Option("--cells", help="--at is COL,ROW of the map instead.")] = False,
-    count: Annotated[int, typer.Option(min=1, metavar="N", help="How many of each kind.")] = 3,
+    count: Annotated[int, typer.Option(min=1, metavar="N", help="Number of elements of each kind.")] = 3,
     as_json: Json = False,
 ) -> None:
-    """Tell why there is a door at a place, or none: each stage's decision about what lies nearest to it."""
+    """Explain why there is a door at a point, or none: the decision of each stage about the nearest elements."""
     import dataclasses
     import json
 
@@ -104,7 +104,7 @@ def _read(path: Path) -> History:
 
 
 def _console() -> Console:
-    """Where results are printed: the terminal, or plain text of a fixed width where there is none."""
+    """Console for the results: the terminal, or plain text of a fixed width in a pipe."""
     import os
 
     from rich.console import Console
@@ -116,7 +116,7 @@ def _console() -> Console:
 
 
 def _chosen(run: History, stage: str | None, step: int | None) -> tuple[str | None, int | None]:
-    """The stage that was asked for, and which generation where one was."""
+    """The requested stage (None for an overview), and the requested generation (None for all)."""
     from vdoor.history import SEARCH, STAGES
 
     if stage is not None and stage not in (*STAGES, "all"):

@@ -1,4 +1,4 @@
-"""`vdoor replay`, `vdoor shot` and `vdoor view`: looking at a recording."""
+"""`vdoor replay`, `vdoor shot` and `vdoor view`: viewing a recording."""
 
 from __future__ import annotations
 
@@ -23,20 +23,20 @@ if TYPE_CHECKING:
 RecordingFile = Annotated[Path, typer.Argument(metavar="REC", help="An .mcap recording.")]
 AnyRecording = Annotated[Path, typer.Argument(metavar="REC", help="An .rrd or .mcap recording.")]
 STEP_S = 0.1
-"""Between two records at speed 1."""
+"""Pause between two records at speed 1."""
 
 
 def replay(
     recording: RecordingFile,
     *,
-    save: Annotated[Path | None, typer.Option(metavar="FILE.rrd", help="Rerun recording, to look at.")] = None,
-    connect: Annotated[str | None, typer.Option(metavar="URL", help="Stream to a Rerun viewer that runs.")] = None,
+    save: Annotated[Path | None, typer.Option(metavar="FILE.rrd", help="Rerun recording, for viewing.")] = None,
+    connect: Annotated[str | None, typer.Option(metavar="URL", help="Stream to a running Rerun viewer.")] = None,
     serve: Annotated[bool, typer.Option("--serve", help="Stream to a web viewer on 127.0.0.1.")] = False,
     spawn: Annotated[bool, typer.Option("--spawn", help="Open a Rerun viewer and stream to it.")] = False,
-    speed: Annotated[float, typer.Option(min=0.0, help="Ten records a second times this; 0 is at once.")] = 0.0,
+    speed: Annotated[float, typer.Option(min=0.0, help="1 is ten records per second, 0 without pauses.")] = 0.0,
     force: Force = False,
 ) -> None:
-    """Draw a recording again, as the run did when it was made."""
+    """Draw a recording, exactly as the live run would."""
     from vdoor.files import refuse_existing
     from vdoor.outputs import Outputs
 
@@ -52,11 +52,11 @@ def shot(
     recording: AnyRecording,
     *,
     out: Annotated[Path, typer.Option("--out", "-o", metavar="DIR", help="Folder for the pictures.")],
-    stage: Annotated[list[str] | None, typer.Option(help="Only this tab, say Doors; repeatable.")] = None,
-    size: Annotated[str, typer.Option(metavar="WxH", help="Of the pictures in pixels.")] = "1600x1000",
+    stage: Annotated[list[str] | None, typer.Option(help="Only this tab, such as Doors; repeatable.")] = None,
+    size: Annotated[str, typer.Option(metavar="WxH", help="Size of the pictures in pixels.")] = "1600x1000",
     force: Force = False,
 ) -> None:
-    """Take a PNG picture of each stage, without a screen."""
+    """Write a PNG picture of each stage; needs no screen."""
     from vdoor.files import make_folder, refuse_existing, write_whole
     from vdoor.viz.rerun.blueprint import every_tab
     from vdoor.viz.rerun.shot import shots
@@ -92,7 +92,7 @@ def view(recording: AnyRecording) -> None:
 
 
 def _draw(path: Path, outputs: object, *, pause_s: float = 0.0) -> int:
-    """Draw a recording, as far as it is whole, where `outputs` says; returns how many records there were."""
+    """Draw the intact part of a recording to `outputs`, and return the number of records."""
     from vdoor.outputs import Outputs, opened
     from vdoor.pipeline import RECORDS
     from vdoor.recording.mcap import read_recording
@@ -110,7 +110,7 @@ def _draw(path: Path, outputs: object, *, pause_s: float = 0.0) -> int:
 
 
 def _whole(recording: Recording) -> Iterator[tuple[int, Record]]:
-    """Steps and records up to where the recording is damaged or cut short, which is said; an error if that is none."""
+    """Steps and records up to any damage, which is noted on stderr; `RecordingError` if no record is intact."""
     count = 0
     try:
         for step, record in recording:
@@ -119,7 +119,7 @@ def _whole(recording: Recording) -> Iterator[tuple[int, Record]]:
     except RecordingError as error:
         if not count:
             raise
-        say(f"note: drawn as far as it is whole, {count} record{'s' * (count > 1)}; {error}")
+        say(f"note: only the intact part was drawn, {count} record{'s' * (count > 1)}; {error}")
 
 
 @contextmanager
@@ -142,7 +142,7 @@ def _is_rrd(path: Path) -> bool:
 
 
 def _refuse_unreadable(path: Path) -> None:
-    """VdoorError where there is no recording, or none that can be drawn: a viewer would wait for it."""
+    """Raise `VdoorError` if there is no recording, or none that can be drawn: a viewer would wait for it."""
     if not path.is_file():
         found = "none" if not path.exists() else "a folder" if path.is_dir() else "a device or pipe"
         raise VdoorError(f"recording: wanted an .rrd or .mcap file, found {found}: {path}")
@@ -158,13 +158,13 @@ def _refuse_unreadable(path: Path) -> None:
 
 
 def _file_name(tab: str) -> str:
-    """How the picture of a tab is called, behind the tab's number."""
+    """File name of the picture of a tab, without the tab's number."""
     return f"{tab.lower().replace(' ', '_')}.png"
 
 
 def _size(text: str) -> tuple[int, int]:
-    """Width and height in pixels."""
+    """Width and height in pixels; `SettingError` if out of range."""
     width, _, height = text.partition("x")
     if not (width.isdigit() and height.isdigit() and 100 <= int(width) <= 8192 and 100 <= int(height) <= 8192):  # noqa: PLR2004  # what viewers can draw
-        raise SettingError(f"--size: wanted WxH of 100 to 8192 pixels, say 1600x1000, found {text!r}")
+        raise SettingError(f"--size: wanted WxH of 100 to 8192 pixels, such as 1600x1000, found {text!r}")
     return int(width), int(height)

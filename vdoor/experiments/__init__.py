@@ -1,4 +1,4 @@
-"""The method tried on maps whose truth is known: without each of its parts, and on the same maps changed."""
+"""Experiments on maps with known truth: ablation, robustness, sweeps, benchmark and search study."""
 
 from vdoor.experiments.ablation import VARIANTS, Variant, ablation, variants_with
 from vdoor.experiments.cases import Choice, Trial, Trials, read_trials, trial_of

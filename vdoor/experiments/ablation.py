@@ -1,4 +1,4 @@
-"""What each part of the recipe is worth: the same maps with and without it."""
+"""Ablation: the effect of each part of the method, measured on the same maps with and without it."""
 
 from __future__ import annotations
 
@@ -17,36 +17,36 @@ from vdoor.pipeline import METHODS, AnyPipeline, preset_named
 
 Tables = Mapping[str, Mapping[str, Any]]
 NO_EXTENSION_M = 0.1
-"""An extension as short as that is none."""
+"""Maximum length of extensions that excludes them all."""
 NO_DOOR_LOG_ODDS = 100.0
-"""So likely is no door: none is closed in pass 2, which so equals pass 1."""
+"""Threshold above all log-odds: no door is closed in pass 2, which then equals pass 1."""
 SHORT_M = 1.2
-"""The paper's widest door."""
+"""Maximum length of a virtual door in the paper."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Variant:
-    """One row of the table."""
+    """One row of the table: the pipeline with some settings changed."""
 
     name: str
     settings: Tables = field(default_factory=dict)
-    """Laid over the pipeline, as in a settings file."""
+    """Settings that override the pipeline's, as in a settings file."""
     preset: str | None = None
-    """Taken instead of the pipeline."""
+    """Preset to use instead of the pipeline."""
 
     def of(self, pipeline: AnyPipeline) -> AnyPipeline:
-        """The pipeline in this variant; SettingError where it has no such part."""
+        """The pipeline in this variant; `SettingError` if it does not have these settings."""
         base = pipeline if self.preset is None else preset_named(self.preset)
         return with_settings(base, self.settings, METHODS, place=f"variant '{self.name}'")
 
 
 VARIANTS = (
-    Variant(name="whole recipe"),
-    Variant(name="islands stay", settings={"simplify": {"max_island_m": 0.0}}),
-    Variant(name="thin unknown lines stay", settings={"simplify": {"thin_unknown_m": 0.0}}),
-    Variant(name="gaps stay open, walls in pieces go", settings={"simplify": {"gap_m": 0.0}}),
-    Variant(name="slits stay open", settings={"simplify": {"slit_m": 0.0, "channel_m": 0.0}}),
-    Variant(name="largest part only", settings={"simplify": {"least_part_m2": 0.0}}),
+    Variant(name="full method"),
+    Variant(name="islands kept", settings={"simplify": {"max_island_m": 0.0}}),
+    Variant(name="thin unknown lines kept", settings={"simplify": {"thin_unknown_m": 0.0}}),
+    Variant(name="gaps not closed", settings={"simplify": {"gap_m": 0.0}}),
+    Variant(name="slits not closed", settings={"simplify": {"slit_m": 0.0, "channel_m": 0.0}}),
+    Variant(name="largest free space only", settings={"simplify": {"least_part_m2": 0.0}}),
     Variant(name="no wall extensions", settings={"doors": {"extension_m": NO_EXTENSION_M}}),
     Variant(
         name="short doors only",
@@ -54,7 +54,7 @@ VARIANTS = (
     ),
     Variant(name="one pass", settings={"score": {"sure_log_odds": NO_DOOR_LOG_ODDS}}),
     Variant(name="no room term", settings={"cost": {"lack_weight": 0.0, "lack_weight_rough": 0.0}}),
-    Variant(name="further doors count alike", settings={"cost": {"further_bias": 0.0, "further_bias_rough": 0.0}}),
+    Variant(name="no bias for further doors", settings={"cost": {"further_bias": 0.0, "further_bias_rough": 0.0}}),
     Variant(name="greedy choice", settings={"search": {"generations": 0}}),
     Variant(name="cells of 20 cm", settings={"simplify": {"cell_m": 0.2}}),
     Variant(name="preset paper", preset="paper"),
@@ -62,7 +62,7 @@ VARIANTS = (
 
 
 def variants_with(models: Sequence[Path]) -> tuple[tuple[Variant, ...], tuple[Variant, ...]]:
-    """The variants, and one for each file of curves; SettingError where a file holds none."""
+    """The variants, and one variant for each file of curves; `SettingError` if a file has no valid curves."""
     for path in models:
         model_named(str(path))
     return VARIANTS, tuple(
@@ -78,7 +78,7 @@ def ablation(
     models: Sequence[Variant] = (),
     seed: int = 0,
 ) -> Iterator[Row]:
-    """A row for each variant and model, then mean and spread over the models if there are several."""
+    """One row per variant and model, then mean and spread over the models if there are several."""
     # All settings are checked before the first run.
     pipelines = {variant.name: variant.of(pipeline) for variant in (*variants, *models)}
     warm_up(trials, pipeline)
@@ -92,7 +92,7 @@ def ablation(
 
 
 def mean_and_spread(rows: Sequence[Row]) -> tuple[Row, Row]:
-    """Mean and standard deviation (of a sample) of each figure over the rows."""
+    """Mean and sample standard deviation of each figure over the rows."""
     values = {name: [row.figures[name] for row in rows] for name in rows[0].figures}
     count = f"of {len(rows)} models"
     return (

@@ -1,4 +1,4 @@
-"""CPU seconds of the method alone, stage by stage, and what recording adds."""
+"""CPU time of the method, stage by stage, and the overhead of recording."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ LANE_M = 1.0
 
 @dataclass(frozen=True, kw_only=True)
 class Report:
-    """One map's figures; imports and reading the map are not in them."""
+    """Figures of one map, without imports and reading the map."""
 
     name: str
     cells: tuple[int, int]
@@ -36,9 +36,9 @@ class Report:
     stages_s: Mapping[str, float]
     total_s: float
     peak_mb: float
-    """Of the process so far."""
+    """Peak memory of the process so far."""
     recording_adds: float | None
-    """CPU of both recordings as a share of the method's."""
+    """CPU time of both recordings relative to that of the method; None if not measured."""
 
     def to_json(self) -> str:
         """All figures as one line of JSON."""
@@ -57,18 +57,18 @@ class Report:
 def measured(
     grids: Mapping[str, OccupancyGrid], pipeline: AnyPipeline, *, tile: int, record: OpenRecordings | None
 ) -> Iterator[Report]:
-    """Run each map once, after a small one that warms up the libraries, and once more with `record` open."""
+    """Reports of runs on each map, after a warm-up run on a small one; with `record`, each map runs a second time."""
     for grid in own_maps().values():
         pipeline(grid, np.random.default_rng(0), silent)
     for name, single in grids.items():
         grid = tiled(single, tile)
-        there = prepared(pipeline, grid).pipeline
+        ready = prepared(pipeline, grid).pipeline
         watch = Stopwatch(silent)
         start_s = time.process_time()
-        topology = there(grid, np.random.default_rng(0), watch)
+        topology = ready(grid, np.random.default_rng(0), watch)
         total_s = time.process_time() - start_s
         peak_mb = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
-        adds = (recorded_s(grid, there, record) - total_s) / total_s if record else None
+        adds = (recorded_s(grid, ready, record) - total_s) / total_s if record else None
         yield Report(
             name=name,
             cells=(grid.frame.height, grid.frame.width),
@@ -82,7 +82,7 @@ def measured(
 
 
 def recorded_s(grid: OccupancyGrid, pipeline: AnyPipeline, record: OpenRecordings) -> float:
-    """CPU seconds of the same run with both recordings; opening the files, with its imports, is left out."""
+    """CPU seconds of a run with both recordings, without opening the files and its imports."""
     info = RunInfo(version="", preset="bench", seed=0, settings={}, source=grid.source)
     with tempfile.TemporaryDirectory() as folder:
         with record(Path(folder), info) as sinks:
@@ -98,7 +98,7 @@ def own_maps() -> dict[str, OccupancyGrid]:
 
 
 def tiled(grid: OccupancyGrid, count: int) -> OccupancyGrid:
-    """The map `count` x `count` times, joined by lanes from each one's reachable space to the next one's."""
+    """The map repeated `count` x `count` times, with free lanes between the reachable spaces of adjacent copies."""
     if count == 1:
         return grid
     reachable = np.argwhere(SimplifyGrid(cell_m=0.0)(grid).cells == FREE)

@@ -1,4 +1,4 @@
-"""Maps and the truth about each, read from files once for many runs, or drawn."""
+"""Maps with their truth, read from files once for many runs, or synthetic."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ SUFFIXES = tuple(suffix for reader in READERS for suffix in reader.suffixes)
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Trial:
-    """One map and the truth about it."""
+    """One map and its truth."""
 
     name: str
     division: Division
-    """The map, not divided yet."""
+    """The map, not yet divided into rooms."""
     reference: Reference
 
 
@@ -40,38 +40,40 @@ class Trials:
 
 @dataclass(frozen=True, kw_only=True)
 class Choice:
-    """Which maps are tried, and how they and their references are read."""
+    """Selection of maps, and options for reading them and their references."""
 
     reference: Path
     bare: Path | None = None
-    """The unfurnished map, or a folder of them, that label references were drawn on."""
+    """Unfurnished map, or folder of maps, on which the rooms of label references were drawn."""
     resolution_m: float | None = None
     free_from: int | None = None
-    """The grey from which on a cell of an image is free, when doors and rooms are measured."""
+    """Smallest grey of a free cell in an image, for measuring doors and rooms."""
     only: Sequence[str] = ()
-    """Where there are any, a map's name must hold one of them."""
+    """If not empty, a map's name must contain one of these texts."""
     exclude: Sequence[str] = ()
+    """A map's name must contain none of these texts."""
 
     def wants(self, name: str) -> bool:
-        """Whether the map of that name is tried."""
-        chosen = not self.only or any(text in name for text in self.only)
-        return chosen and not any(text in name for text in self.exclude)
+        """Whether the map of that name is selected."""
+        selected = not self.only or any(text in name for text in self.only)
+        return selected and not any(text in name for text in self.exclude)
 
 
 def read_trials(maps: Path, choice: Choice) -> Trials:
     """A map, or the maps in a folder, with the references of the same names.
 
-    Raises `VdoorError` where no map is chosen or has a reference, or a file is missing, damaged, or of another size.
+    Raises `VdoorError` if no map is selected, if none has a reference, or if a file is missing, damaged or of a wrong
+    size.
     """
     found = [path for path in map_files(maps) if path.resolve() != choice.reference.resolve()]
     paths = [path for path in found if choice.wants(path.stem)]
     if not paths:
-        what = "map" if not found else f"map that is chosen among {len(found)}"
-        raise VdoorError(f"maps: wanted a {what}, found none: {maps}")
+        what = "a map" if not found else f"one of {len(found)} maps to be selected"
+        raise VdoorError(f"maps: wanted {what}, found none: {maps}")
     references = references_in(choice.reference)
     alone = [*references.values()] == [(choice.reference, None)]
     served = {path: serving(path.stem, references) for path in paths}
-    if paths == [maps] and alone:  # one map and one reference, whatever they are called
+    if paths == [maps] and alone:  # one map and one reference, whatever their names
         served = {maps: next(iter(references))}
     without = [path.stem for path, name in served.items() if name is None]
     if len(without) == len(paths):
@@ -82,7 +84,7 @@ def read_trials(maps: Path, choice: Choice) -> Trials:
 
 
 def map_files(path: Path) -> list[Path]:
-    """The map, or the maps in a folder by name: no references, and no image beside the YAML that describes it."""
+    """The map, or the maps in a folder, sorted by name, without references and without images that have a YAML."""
     if not path.is_dir():
         return [path]
     files = sorted(entry for entry in path.iterdir() if entry.is_file() and entry.suffix.lower() in SUFFIXES)
@@ -95,7 +97,7 @@ def map_files(path: Path) -> list[Path]:
 
 
 def _trial(path: Path, reference: Path, key: str | None, choice: Choice) -> Trial:
-    """The map and its reference; `key` is the map's name in one that holds several."""
+    """The map and its reference; `key` is the map's name in a reference for several maps."""
     own = MapChoice(path=path, resolution_m=choice.resolution_m, free_from=choice.free_from)
     grid, free = own.read(path.stem)
     division = Division(name=path.stem, grid=grid, free=free, rooms=np.zeros(free.shape, np.int32))
@@ -106,7 +108,7 @@ def _trial(path: Path, reference: Path, key: str | None, choice: Choice) -> Tria
 
 
 def trial_of(made: SyntheticMap, name: str) -> Trial:
-    """A synthetic map as a trial: what is read from the files that it would be written to."""
+    """A synthetic map as a trial, equal to one read from its files."""
     grid = made.grid
     frame = grid.frame
     ends_m = np.array([[door.start_m, door.end_m] for door in made.doors], np.float64).reshape(-1, 2)

@@ -1,7 +1,7 @@
-"""The same place seen otherwise: turned, in larger cells, or with ragged walls and specks.
+"""Changed versions of a map: rotated, in larger cells, or with rough walls and specks.
 
-A changed map's frame says where it lies, so that points of the map frame stay what they are; truth is moved from
-frame to frame (see `robustness`) and never drawn.
+The frame of a changed map is such that points of the map frame stay valid; the truth is transformed from frame to
+frame (see `robustness`), not drawn.
 """
 
 from __future__ import annotations
@@ -24,37 +24,37 @@ Ints = NDArray[np.intp]
 
 COARSE_M = 0.10
 NOISE, SPECKS = 0.15, 0.002
-"""Shares of the cells on walls' faces, and of the free cells."""
+"""Fractions of the cells on walls' faces and of the free cells that are changed."""
 AROUND = ((0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1), (1, 0), (1, 1))
-"""The eight neighbours, one after the other around a cell, the first beside it."""
+"""Offsets of the eight neighbours in order around a cell, beginning with a 4-neighbour."""
 
 
 class Sheet(NamedTuple):
-    """A map and its cells that are measured (h, w)."""
+    """A map, and its cells (h, w) that count as free in the measurement."""
 
     grid: OccupancyGrid
     free: Mask
 
 
 class Change(NamedTuple):
-    """A name, and what is made of a map."""
+    """A change of a map, with its name."""
 
     name: str
     make: Callable[[Sheet, np.random.Generator], Sheet]
 
 
 def as_is(sheet: Sheet, _: np.random.Generator) -> Sheet:
-    """The map itself."""
+    """The unchanged map."""
     return sheet
 
 
 def turn(sheet: Sheet, _: np.random.Generator, *, angle_deg: float) -> Sheet:
-    """The map turned to the left."""
+    """The map rotated counter-clockwise."""
     return Sheet(*turned(sheet.grid, sheet.free, angle_deg))
 
 
 def coarsen(sheet: Sheet, _: np.random.Generator, *, cell_m: float = COARSE_M) -> Sheet:
-    """The map in cells of about that size: occupied where any of the finer ones is, else free if any is."""
+    """The map in cells of about `cell_m`: occupied if any finer cell is, else free if any finer cell is."""
     factor = max(1, round(cell_m / sheet.grid.frame.resolution_m))
     frame = working_frame(sheet.grid.frame, factor)
     grid = OccupancyGrid(cells=resampled(sheet.grid, factor), frame=frame, source=sheet.grid.source)
@@ -62,7 +62,7 @@ def coarsen(sheet: Sheet, _: np.random.Generator, *, cell_m: float = COARSE_M) -
 
 
 def roughen(sheet: Sheet, rng: np.random.Generator, *, noise: float = NOISE, specks: float = SPECKS) -> Sheet:
-    """The map with cells on walls' faces flipped, as many grown as dented, and specks in the open.
+    """The map with cells on walls' faces flipped at random in both directions, and specks in free space.
 
     A dent never goes through a wall.
     """
@@ -79,9 +79,9 @@ def roughen(sheet: Sheet, rng: np.random.Generator, *, noise: float = NOISE, spe
 
 
 def keeps_walls_closed(free: Mask) -> Mask:
-    """Cells (h, w) that could be freed alone without joining free cells that are apart around them.
+    """Cells (h, w) that could each be freed without connecting separate free cells around it.
 
-    Those around which free cells beside it form one 4-connected piece: Yokoi's connectivity number is 1.
+    The free cells around such a cell form one 4-connected piece: Yokoi's connectivity number is 1.
     """
     padded = np.pad(free, 1).astype(np.int8)
     height, width = free.shape
@@ -91,28 +91,28 @@ def keeps_walls_closed(free: Mask) -> Mask:
 
 
 def _beside(mask: Mask) -> Mask:
-    """Cells with one of the mask's among their four neighbours."""
+    """Cells with a cell of the mask among their four neighbours."""
     padded = np.pad(mask, 1)
     return padded[2:, 1:-1] | padded[:-2, 1:-1] | padded[1:-1, 2:] | padded[1:-1, :-2]
 
 
 CHANGES = (
-    Change("as it is", as_is),
-    Change("turned by 5 degrees", functools.partial(turn, angle_deg=5.0)),
-    Change("turned by 15 degrees", functools.partial(turn, angle_deg=15.0)),
-    Change("turned by 30 degrees", functools.partial(turn, angle_deg=30.0)),
-    Change("turned by 45 degrees", functools.partial(turn, angle_deg=45.0)),
+    Change("unchanged", as_is),
+    Change("rotated by 5 degrees", functools.partial(turn, angle_deg=5.0)),
+    Change("rotated by 15 degrees", functools.partial(turn, angle_deg=15.0)),
+    Change("rotated by 30 degrees", functools.partial(turn, angle_deg=30.0)),
+    Change("rotated by 45 degrees", functools.partial(turn, angle_deg=45.0)),
     Change("cells of 10 cm", coarsen),
     Change("wall noise and specks", roughen),
 )
-"""The first is what the others are compared with."""
+"""All changes; the first one is the baseline of the comparison."""
 
 
 def turned(grid: OccupancyGrid, measured: Mask, angle_deg: float) -> tuple[OccupancyGrid, Mask]:
-    """The map turned to the left about its middle, on a canvas that holds all of it, and its measured free cells.
+    """The map rotated counter-clockwise about its middle, on a canvas large enough for it, and its measured free cells.
 
-    Each cell is as the nearest one was, unknown outside. Where a wall hangs together at corners of cells alone, those
-    cells are marked once more where they come to lie, so that no wall opens.
+    Each cell has the value of the nearest original cell, unknown outside. Cells of a wall that only touch at a corner
+    are marked again at their new positions, so that no wall opens.
     """
     frame = turned_frame(grid.frame, math.radians(angle_deg))
     shape = frame.height, frame.width
@@ -129,12 +129,13 @@ def turned(grid: OccupancyGrid, measured: Mask, angle_deg: float) -> tuple[Occup
 
 
 def turned_frame(frame: Frame, angle_rad: float) -> Frame:
-    """A frame of the same cells, turned about the middle, as large as it must be; map points keep their places.
+    """A frame with cells of the same size, rotated about the middle and large enough for the whole map.
 
-    The map frame stays: what turns to the left in the image is the map, so the image turns to the right in the map.
+    Points of the map frame stay valid: the map turns counter-clockwise in the image, so the image turns clockwise in
+    the map frame.
     """
     cos, sin = abs(math.cos(angle_rad)), abs(math.sin(angle_rad))
-    # Rounding alone makes no further row.
+    # No additional row from rounding errors.
     height = math.ceil(frame.height * cos + frame.width * sin - 1e-6)
     width = math.ceil(frame.width * cos + frame.height * sin - 1e-6)
     yaw_rad = frame.yaw_rad - angle_rad
@@ -145,10 +146,10 @@ def turned_frame(frame: Frame, angle_rad: float) -> Frame:
 
 
 def _mark_pinches(cells: NDArray[np.int8], frame: Frame, grid: OccupancyGrid) -> None:
-    """Mark obstacle cells that touch at a corner only, in cells (h, w) of another frame, as neighbours again.
+    """Mark pairs of obstacle cells that touch only at a corner, in cells (h, w) of another frame, as neighbours again.
 
-    A wall is nowhere else thinner than a cell, and free neighbours are not farther apart than that. Where the marks of
-    both cells are apart the corner is marked as well: it is less than a cell from both.
+    Elsewhere a wall is at least one cell thick, so it stays closed. If the marks of both cells are not adjacent, the
+    corner is marked as well: it is less than a cell from both.
     """
     one, other = _pinches(~grid.free)
 
@@ -168,7 +169,7 @@ def _mark_pinches(cells: NDArray[np.int8], frame: Frame, grid: OccupancyGrid) ->
 
 
 def _pinches(solid: Mask) -> tuple[Ints, Ints]:
-    """Pairs of solid cells, as (k, 2) and (k, 2), that share a corner only and whose common neighbours are free."""
+    """Pairs of solid cells, as (k, 2) and (k, 2), that only share a corner and whose common neighbours are free."""
     upper_left, upper_right, lower_left, lower_right = solid[:-1, :-1], solid[:-1, 1:], solid[1:, :-1], solid[1:, 1:]
     falling = np.argwhere(upper_left & lower_right & ~upper_right & ~lower_left)
     rising = np.argwhere(upper_right & lower_left & ~upper_left & ~lower_right)
@@ -177,5 +178,5 @@ def _pinches(solid: Mask) -> tuple[Ints, Ints]:
 
 
 def _cells(points: NDArray[np.float64]) -> Ints:
-    """The cells (k, 2) in which points (k, 2) lie; halves go up, so that points a cell apart are never two cells."""
+    """Cells (k, 2) that contain points (k, 2); halves round up, so that points one cell apart never skip a cell."""
     return np.floor(points + (0.5 + 1e-9)).astype(np.intp)

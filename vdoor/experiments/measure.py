@@ -1,4 +1,4 @@
-"""Runs on trial maps, and the figures of many runs in one row."""
+"""Runs on trial maps, and their figures summarised in one row."""
 
 from __future__ import annotations
 
@@ -26,16 +26,16 @@ FIGURES = (
     "cpu_s",
     "cpu_max_s",
 )
-"""Of a row, in this order; `iou_sym` only where a reference has rooms."""
+"""Figures of a row, in this order; `iou_sym` only if a reference has rooms."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Outcome:
-    """What a run found, measured."""
+    """Result of a run, evaluated."""
 
     evaluation: Evaluation
     cpu_s: float
-    """Of the method alone."""
+    """CPU seconds of the method alone."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -44,22 +44,22 @@ class Row:
 
     name: str
     figures: dict[str, float]
-    """By the names in `FIGURES`: means over the maps but for the pooled, worst, median (`cpu_s`) and largest ones."""
+    """By the names in `FIGURES`: means over the maps, but pooled, worst, median (`cpu_s`) and maximum as named."""
     worst_map: str = ""
     door_f1: dict[str, float] = field(default_factory=dict)
-    """Of each map."""
+    """Door F1 by map."""
 
 
 def measured(trial: Trial, pipeline: AnyPipeline, *, seed: int = 0, emit: Emit = silent) -> Outcome:
-    """The division of one map by the pipeline prepared for it, against the truth.
+    """Result of the pipeline on one map, evaluated against the truth.
 
-    Raises `MapError` with the map's name where it finds nothing.
+    Raises `MapError` with the map's name if the pipeline finds nothing.
     """
     grid = trial.division.grid
     try:
-        there = prepared(pipeline, grid).pipeline
+        ready = prepared(pipeline, grid).pipeline
         start_s = time.process_time()
-        topology = there(grid, np.random.default_rng(seed), emit)
+        topology = ready(grid, np.random.default_rng(seed), emit)
         cpu_s = time.process_time() - start_s
     except MapError as error:
         raise MapError(f"{trial.name}: {error}") from error
@@ -68,12 +68,12 @@ def measured(trial: Trial, pipeline: AnyPipeline, *, seed: int = 0, emit: Emit =
 
 
 def warm_up(trials: Sequence[Trial], pipeline: AnyPipeline) -> None:
-    """Run the smallest map once, so that no figure holds what libraries do the first time."""
+    """Run the smallest map once, so that no figure includes the first-time cost of libraries."""
     measured(min(trials, key=lambda trial: trial.division.free.size), pipeline)
 
 
 def summarised(name: str, outcomes: Iterable[Outcome]) -> Row:
-    """One row of all maps' outcomes."""
+    """One row that summarises the outcomes of all maps."""
     outcomes = list(outcomes)
     evaluations = [outcome.evaluation for outcome in outcomes]
     door_f1 = {evaluation.name: evaluation.figures()["door_f1"] for evaluation in evaluations}
@@ -86,5 +86,5 @@ def summarised(name: str, outcomes: Iterable[Outcome]) -> Row:
         "cpu_s": float(np.median(cpu_s)),
         "cpu_max_s": max(cpu_s),
     }
-    chosen = {key: figures[key] for key in FIGURES if key in figures}
-    return Row(name=name, figures=chosen, worst_map=worst, door_f1=door_f1)
+    present = {key: figures[key] for key in FIGURES if key in figures}
+    return Row(name=name, figures=present, worst_map=worst, door_f1=door_f1)

@@ -1,4 +1,4 @@
-"""How well the method does on the same maps changed."""
+"""Robustness: the method on changed versions of the same maps."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def robustness(
     changes: Sequence[Change] = CHANGES,
     seed: int = 0,
 ) -> Iterator[Row]:
-    """A row for each change, with what it adds to the first one's mean door F1."""
+    """One row per change, with the difference of its mean door F1 to that of the first."""
     warm_up(trials, pipeline)
     first: float | None = None
     for change in changes:
@@ -38,7 +38,7 @@ def robustness(
 
 
 def changed(trial: Trial, change: Change, rng: np.random.Generator) -> Trial:
-    """The trial on the changed map: the true doors, and the unsure ones, where they lie there; rooms are left out."""
+    """The trial on the changed map, with true and unsure doors transformed to its frame, without rooms."""
     division, reference = trial.division, trial.reference
     sheet = change.make(Sheet(division.grid, division.free), rng)
     old, new = division.frame, sheet.grid.frame
@@ -57,7 +57,7 @@ def changed(trial: Trial, change: Change, rng: np.random.Generator) -> Trial:
 
 
 def moved(doors: Doors, old: Frame, new: Frame) -> Doors:
-    """The same doors of the map in another frame of it; their widths stay."""
+    """The same doors in another frame of the map, with unchanged widths."""
 
     def cells(points: NDArray[np.float64]) -> NDArray[np.float64]:
         return new.cell_from_world(old.world_from_cell(points))

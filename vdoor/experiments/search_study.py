@@ -1,4 +1,4 @@
-"""How often the search finds the proven optimum: the claim of section III, on synthetic apartments."""
+"""How often the search finds the proven optimum (the claim of section III), on synthetic apartments."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ SAME = 1e-9
 
 @dataclass(frozen=True)
 class Graph:
-    """One initial map and how the searches on it went."""
+    """One initial map and the results of the searches on it."""
 
     apartment_seed: int
     furniture: bool
@@ -32,11 +32,11 @@ class Graph:
     hits: int
     searches: int
     generation: float
-    """Mean generation in which the optimum was first reached, of those that reached it; nan if none did."""
+    """Mean generation in which the optimum was first reached, over the searches that reached it; nan if none did."""
 
 
 def hit_rates(pipeline: Pipeline, *, graphs: int, seeds: int) -> list[Graph]:
-    """Search each of the first `graphs` initial maps with 1 to 20 virtual doors with `seeds` seeds, 0 and up."""
+    """Results of searching the first `graphs` initial maps with 1 to 20 virtual doors, with seeds 0 to `seeds` - 1."""
     found: list[Graph] = []
     for seed, furniture, problem in problems(pipeline):
         optimum = last(ExhaustiveSearch()(problem, np.random.default_rng())).best_cost
@@ -50,7 +50,10 @@ def hit_rates(pipeline: Pipeline, *, graphs: int, seeds: int) -> list[Graph]:
 
 
 def problems(pipeline: Pipeline) -> Iterator[tuple[int, bool, MergeProblem]]:
-    """Initial maps with 1 to 20 virtual doors: apartments of seeds 0, 1, ... of 3 to 6 rooms, every other furnished."""
+    """Initial maps with 1 to 20 virtual doors, of apartments with seeds 0, 1, ..., every other one furnished.
+
+    The apartments have 3 to 6 rooms. Yields the seed, whether there is furniture, and the search problem.
+    """
     most = ExhaustiveSearch().most_edges
     seed = 0
     while True:
@@ -73,7 +76,7 @@ def initial_map(pipeline: Pipeline, apartment: Apartment, seed: int) -> InitialM
 
 
 def first_hit(pipeline: Pipeline, problem: MergeProblem, optimum: float, seed: int) -> int | None:
-    """The first generation whose best cost is the optimum."""
+    """Number of the first generation whose best cost is the optimum; None if there is none."""
     for generation in pipeline.search(problem, np.random.default_rng(seed)):
         if generation.best_cost <= optimum + SAME:
             return generation.number
@@ -86,7 +89,7 @@ def last(generations: Iterator[Generation]) -> Generation:
 
 
 def to_text(graphs: list[Graph]) -> str:
-    """One line a graph, then the hit rate by number of doors."""
+    """One line per graph, then the hit rate by number of doors."""
     lines = ["  seed furniture doors   optimum   hits  mean generation"]
     lines += [
         f"{graph.apartment_seed:6d} {'yes' if graph.furniture else 'no':>9s} {graph.doors:5d} "

@@ -1,4 +1,4 @@
-"""What is swept, step by step: settings and their values as text, turned into checked pipelines before any runs."""
+"""Steps of a sweep: settings and their values, parsed from text into pipelines that are checked before any run."""
 
 from __future__ import annotations
 
@@ -24,15 +24,16 @@ PAPER = (
     "simplify.cell_m=0.05..0.4:0.05",
     "seed=0..9",
 )
-"""What the paper chose, or left unsaid: U_k, the angle of eq. 5, the widest door, T and the weights of eq. 7, cells."""
+"""Settings that the paper fixes or leaves open: U_k, the angle of eq. 5, the longest door, T and weights of eq. 7,
+cell size."""
 SEED, CURVES = "seed", "score.model"
 UNITS = {"_per_m2": "1/m²", "_per_deg": "1/degree", "_m2": "m²", "_deg": "degrees", "_m": "m"}
-"""Of a setting, by how its name ends."""
+"""Units of settings by the suffix of their name."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Setting:
-    """What is swept."""
+    """A setting that is swept."""
 
     name: str
     """``stage.field`` or ``seed``."""
@@ -40,19 +41,19 @@ class Setting:
 
     @property
     def unit(self) -> str:
-        """Of its values; empty where they have none."""
+        """Unit of its values, or empty."""
         return next((unit for ending, unit in UNITS.items() if self.name.endswith(ending)), "")
 
 
 @dataclass(frozen=True, kw_only=True)
 class Step:
-    """One value of a setting and the run that it makes."""
+    """One value of a setting, and the pipeline and seed of its run."""
 
     setting: Setting
     value: Any
-    """As the pipeline has it: text, a truth value, a number or a tuple of them."""
+    """As in the pipeline: a text, bool or number, or a tuple of these."""
     own: bool
-    """The pipeline has it anyway."""
+    """Whether this is the pipeline's own value."""
     pipeline: AnyPipeline
     seed: int
 
@@ -60,8 +61,8 @@ class Step:
 def planned(sweeps: Sequence[str], pipeline: AnyPipeline, *, seed: int = 0) -> list[Step]:
     """Every step of sweeps like ``stage.field=0.7..0.9:0.1``, ``stage.field=a,b`` or ``seed=0..9``.
 
-    The pipeline's own value is always among them, and numbers ascend. Raises `SettingError` where there is no such
-    setting, or it cannot have one of the values.
+    The pipeline's own value is always included, and numbers are sorted. Raises `SettingError` for an unknown setting
+    or a value that it cannot have.
     """
     steps: dict[str, list[Step]] = {}
     for text in sweeps:
@@ -78,11 +79,11 @@ def planned(sweeps: Sequence[str], pipeline: AnyPipeline, *, seed: int = 0) -> l
 
 
 def seeds(values: Sequence[Any], pipeline: AnyPipeline, seed: int) -> list[Step]:
-    """A step for each seed."""
+    """One step per seed."""
     for value in values:
         if type(value) is not int or value < 0:
             raise SettingError(f"sweep: seed: wanted whole numbers from 0, found {value!r}")
-    setting = Setting(name=SEED, meaning="Seed of everything random.")
+    setting = Setting(name=SEED, meaning="Random seed.")
     return [
         Step(setting=setting, value=value, own=value == seed, pipeline=pipeline, seed=value)
         for value in dict.fromkeys([*values, seed])
@@ -90,7 +91,7 @@ def seeds(values: Sequence[Any], pipeline: AnyPipeline, seed: int) -> list[Step]
 
 
 def settings(name: str, values: Sequence[Any], pipeline: AnyPipeline, seed: int) -> list[Step]:
-    """A step for each value of one setting."""
+    """One step per value of a setting."""
     stage, _, part = name.partition(".")
 
     def value_of(changed: AnyPipeline) -> Any:
@@ -99,17 +100,17 @@ def settings(name: str, values: Sequence[Any], pipeline: AnyPipeline, seed: int)
 
     changed = [with_settings(pipeline, {stage: {part: value}}, METHODS, place="sweep") for value in values]
     for curves in values if name == CURVES else ():
-        model_named(curves)  # a file is no setting's range, but can be as wrong
+        model_named(curves)  # check files as well, as no range does
     setting = Setting(name=name, meaning=_meaning(getattr(pipeline, stage), stage, part))
     own = value_of(pipeline)
     return [
-        Step(setting=setting, value=value, own=value == own, pipeline=there, seed=seed)
-        for value, there in {value_of(there): there for there in (*changed, pipeline)}.items()
+        Step(setting=setting, value=value, own=value == own, pipeline=variant, seed=seed)
+        for value, variant in {value_of(variant): variant for variant in (*changed, pipeline)}.items()
     ]
 
 
 def _meaning(stage: object, name: str, part: str) -> str:
-    """What the setting is, as `vdoor config` says."""
+    """Description of a setting, as in `vdoor config`."""
     if part == METHOD:
         return f"One of {', '.join(METHODS[name])}."
     return field_docs(type(stage)).get(part, "")
@@ -120,18 +121,18 @@ def _is_number(value: Any) -> bool:
 
 
 MOST_VALUES = 1000
-"""More are a slip of the pen."""
+"""Maximum number of values; more are taken for a typing error."""
 RANGE, STEP = "..", ":"
 
 
 def values_in(text: str, place: str) -> tuple[Any, ...]:
-    """The values, in the order of the text; SettingError names `place` where there is none or a range is no range.
+    """Values in the order of the text; `SettingError` with `place` if there are none or a range is invalid.
 
-    A range is FROM..TO:STEP, both ends included, and in steps of 1 where it names none. A list is whatever TOML takes
-    between brackets, else bare words between commas.
+    A range is FROM..TO:STEP, both ends included; the default step is 1. A list is parsed as a TOML array without
+    brackets, or else as bare words separated by commas.
     """
     if not text.strip():
-        raise SettingError(f"{place}: wanted FROM..TO:STEP or values with commas between, found nothing")
+        raise SettingError(f"{place}: wanted FROM..TO:STEP or a list with commas, found nothing")
     values = _listed(text)
     if values is None:
         parts = [part.strip() for part in text.split(",")]
@@ -142,7 +143,7 @@ def values_in(text: str, place: str) -> tuple[Any, ...]:
 
 
 def _listed(text: str) -> tuple[Any, ...] | None:
-    """The values of a TOML list; None where the text is none."""
+    """Values of a TOML array without brackets; None if the text is not one."""
     try:
         return tuple(tomllib.loads(f"values = [{text}]")["values"])
     except tomllib.TOMLDecodeError:
@@ -150,22 +151,24 @@ def _listed(text: str) -> tuple[Any, ...] | None:
 
 
 def _word(text: str) -> Any:
-    """One value as TOML has it, or the text itself."""
+    """One TOML value, or the text itself."""
     one = _listed(text)
     return one[0] if one else text
 
 
 def _range(text: str, place: str) -> list[int | float]:
-    """All numbers of a range, as exact as they are written: 0.1..0.3:0.1 holds 0.3."""
+    """All numbers of a range, in exact decimal arithmetic: 0.1..0.3:0.1 includes 0.3."""
     ends, _, step_text = text.partition(STEP)
     first, _, last = ends.partition(RANGE)
     try:
         low, high, step = Decimal(first), Decimal(last), Decimal(step_text or "1")
         steps = int((high - low) / step) if high >= low and step > 0 else -1
-    except (ArithmeticError, ValueError):  # no number, one without end, or one beyond all bounds
+    except (ArithmeticError, ValueError):  # not a number, infinite or out of range
         steps = -1
     if steps < 0:
-        raise SettingError(f"{place}: wanted a range FROM..TO:STEP that ascends, say 0.7..0.98:0.02, found {text!r}")
+        raise SettingError(
+            f"{place}: wanted a range FROM..TO:STEP in ascending order, such as 0.7..0.98:0.02, found {text!r}"
+        )
     if steps >= MOST_VALUES:
         raise SettingError(f"{place}: wanted at most {MOST_VALUES} values, found more: {text!r}")
     whole = all(number == number.to_integral_value() for number in (low, step))

@@ -1,4 +1,4 @@
-"""What a setting does to the result: the same maps at each of its values, all other settings as they are."""
+"""Sweeps: the effect of one setting on the results, on the same maps and with all other settings fixed."""
 
 from __future__ import annotations
 
@@ -36,39 +36,39 @@ TOTALS = (
     "corners",
     "proposed",
 )
-"""Figures of a map that are added up over the maps.
+"""Figures of a map that are summed over the maps.
 
-Doors found, hit and false are contacts between rooms, as `vdoor evaluate` measures them; `virtual` are the doors of
-the result's own list, and `matched` those of them at a true one's place, as Table I counts.
+Found, hit and false doors are contacts between rooms, as measured by `vdoor evaluate`; `virtual` is the number of doors
+in the result's list, and `matched` the number of those at the place of a true door, as counted in Table I.
 """
 
 
 @dataclass(frozen=True, kw_only=True)
 class Point:
-    """What one value of a setting gives."""
+    """Results for one value of a setting."""
 
     setting: Setting
     value: Any
     own: bool
     figures: dict[str, float]
-    """Means over the maps that have them, `pooled_` ones of all doors together, and `accuracy`: matched / virtual."""
+    """Means over the maps that have them, `pooled_` figures over all doors, and `accuracy`: matched / virtual."""
     totals: dict[str, int]
     maps: dict[str, dict[str, float]]
-    """The figures of each map."""
+    """Figures of each map."""
     failed: dict[str, str] = field(default_factory=dict)
-    """Why, by the map; on it nothing was found."""
+    """Errors by map; a failed map counts as one without found doors."""
 
 
 class Spread(NamedTuple):
-    """A figure over maps."""
+    """Mean and spread of a figure over maps."""
 
     mean: float
     deviation: float
-    """Standard deviation; 0 of one map."""
+    """Standard deviation; 0 for a single map."""
 
 
 class Seen(NamedTuple):
-    """One map's outcome."""
+    """Outcome of a run on one map."""
 
     evaluation: Evaluation
     figures: dict[str, float]
@@ -76,7 +76,7 @@ class Seen(NamedTuple):
 
 
 def swept(steps: Sequence[Step], trials: Sequence[Trial]) -> Iterator[Point]:
-    """A point for each step; equal runs are done once."""
+    """One point per step; equal runs are only done once."""
     known: dict[tuple[AnyPipeline, int], list[Seen]] = {}
     for step in steps:
         run = step.pipeline, step.seed
@@ -86,7 +86,7 @@ def swept(steps: Sequence[Step], trials: Sequence[Trial]) -> Iterator[Point]:
 
 
 def point(step: Step, found: Sequence[Seen]) -> Point:
-    """All maps of one step together."""
+    """Results of one step over all maps."""
     evaluations = [one.evaluation for one in found]
     maps = {one.evaluation.name: one.figures for one in found}
     totals = {
@@ -110,18 +110,18 @@ def point(step: Step, found: Sequence[Seen]) -> Point:
 
 
 def spread(maps: dict[str, dict[str, float]], name: str) -> Spread:
-    """Mean and standard deviation of a figure over the maps that have it; nan where none has."""
+    """Mean and standard deviation of a figure over the maps that have it; nan if none has."""
     values = [figures[name] for figures in maps.values() if name in figures]
     return Spread(float(np.mean(values)), float(np.std(values))) if values else Spread(np.nan, np.nan)
 
 
 def by_setting(points: Sequence[Point]) -> dict[Setting, list[Point]]:
-    """The points of each sweep."""
+    """Points of each sweep, by setting."""
     return {setting: list(own) for setting, own in itertools.groupby(points, key=lambda point: point.setting)}
 
 
 def seen(trial: Trial, pipeline: AnyPipeline, seed: int) -> Seen:
-    """One run on one map, measured; a run that fails counts as one that finds nothing."""
+    """One run on one map, evaluated; a failed run counts as one that found nothing."""
     kept: dict[type[Record], Record] = {}
 
     def keep(record: R, /) -> R:
@@ -137,7 +137,7 @@ def seen(trial: Trial, pipeline: AnyPipeline, seed: int) -> Seen:
 
 
 def doors_counted(evaluation: Evaluation, listed: Tally) -> dict[str, float]:
-    """Every figure of an evaluation, and how many doors became what; `listed` are those of the result's own list."""
+    """Figures of an evaluation, and numbers of doors by outcome; `listed` counts the doors in the result's list."""
     tally = evaluation.matches[TOLERANCES_M[0]].tally
     figures = {"rooms_found": int(evaluation.division.rooms.max(initial=0))} | evaluation.figures()
     figures |= {
@@ -151,18 +151,18 @@ def doors_counted(evaluation: Evaluation, listed: Tally) -> dict[str, float]:
 
 
 def listed(kept: dict[type[Record], Record], trial: Trial) -> Tally:
-    """Doors of the result's own list against the true ones, as Table I counts them."""
+    """Doors in the result's list matched with the true ones, as counted in Table I."""
     topology = kept[TopologicalMap]
     assert isinstance(topology, TopologicalMap)
     frame, reference = topology.frame, trial.reference
-    # One that borders more than two rooms has several rows.
+    # A door that borders more than two rooms has several rows.
     ends_m = np.unique(np.concatenate([topology.start_m, topology.end_m], axis=1).round(9), axis=0)
     virtual = marked_doors(frame.cell_from_world(ends_m.reshape(-1, 2)), frame.resolution_m)
     return match_doors(reference.doors, virtual, TOLERANCES_M[0], unsure=reference.unsure).tally
 
 
 def stages_counted(kept: dict[type[Record], Record]) -> dict[str, float]:
-    """What the stages on the way found, as far as the method has them."""
+    """Numbers of corners and proposed doors, and the cost, from those of these stages that the method has."""
     found: dict[str, float] = {}
     for record in kept.values():
         match record:

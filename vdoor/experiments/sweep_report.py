@@ -8,7 +8,7 @@ from typing import Any
 from vdoor.experiments.sweep import Point, by_setting
 
 SHARES = {"door P": "door_precision", "door R": "door_recall", "door F1": "door_f1"}
-"""Heads of the table and the figure below each: means over the maps."""
+"""Column headings and their figures, which are means over the maps."""
 COUNTS = {
     "true": "doors_true",
     "found": "doors_found",
@@ -18,12 +18,12 @@ COUNTS = {
     "matched": "matched",
 }
 STAGES = {"rooms": "rooms_found", "of": "rooms_true", "corners": "corners", "proposed": "proposed"}
-"""Sums over the maps."""
+"""Column headings and their figures, which are sums over the maps, as in `COUNTS`."""
 OWN = "*"
 
 
 def lines(points: Sequence[Point]) -> Iterator[str]:
-    """A table for each setting, the pipeline's own value with a star."""
+    """One table per setting, the pipeline's own value marked with a star."""
     for number, (setting, own) in enumerate(by_setting(points).items()):
         yield from [""] if number else []
         yield f"{setting.name}: {setting.meaning}"
@@ -31,7 +31,7 @@ def lines(points: Sequence[Point]) -> Iterator[str]:
 
 
 def table(points: Sequence[Point]) -> Iterator[str]:
-    """One line a value."""
+    """Table of one sweep, one line per value."""
     rows = [row(point) for point in points]
     width = max(len(cell) for cells in rows for cell in cells[:1])
     heads = ["", *SHARES, *COUNTS, "accuracy", *STAGES, "cost", "failed"]
@@ -40,7 +40,7 @@ def table(points: Sequence[Point]) -> Iterator[str]:
 
 
 def row(point: Point) -> list[str]:
-    """The cells of one line."""
+    """Table cells of one line."""
     shares = (shown(point.figures.get(name)) for name in SHARES.values())
     counts, stages = ([str(point.totals.get(name, "-")) for name in columns.values()] for columns in (COUNTS, STAGES))
     return [
@@ -55,12 +55,12 @@ def row(point: Point) -> list[str]:
 
 
 def shown(value: float | None) -> str:
-    """Three digits, or a dash."""
+    """A figure with three decimals, or a dash."""
     return "-" if value is None else f"{value:.3f}"
 
 
 def value_text(value: Any) -> str:
-    """A setting's value as short as it can be read back."""
+    """A setting's value as short text that can be read back."""
     if isinstance(value, tuple):
         return ",".join(map(value_text, value))
     return (
@@ -69,7 +69,7 @@ def value_text(value: Any) -> str:
 
 
 def document(points: Sequence[Point], about: Mapping[str, Any]) -> dict[str, Any]:
-    """Everything, as it goes into JSON; `about` says what was run."""
+    """Document for JSON; `about` describes the runs."""
     return {
         "schema": 1,
         **about,

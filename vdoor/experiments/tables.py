@@ -1,4 +1,4 @@
-"""Rows as text and as JSON."""
+"""Rows of figures as text and as JSON."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ ABLATION = {
     "CPU s": "cpu_s",
     "largest": "cpu_max_s",
 }
-"""Heads of the table and the figure below each."""
+"""Column headings of the table and their figures."""
 ROBUSTNESS = {
     "door P": "door_precision",
     "door R": "door_recall",
@@ -32,7 +32,7 @@ SIGNED = {DIFFERENCE}
 
 
 def table(rows: Sequence[Row], columns: Mapping[str, str], first: str) -> Iterator[str]:
-    """One line a row; `first` heads the names."""
+    """Table with one line per row; `first` is the heading of the names."""
     width = max(len(name) for name in (first, *(row.name for row in rows)))
     yield f"{first:{width}s}  " + " ".join(f"{head:>7s}" for head in columns) + "  worst map"
     for row in rows:
@@ -47,7 +47,7 @@ def _shown(key: str, value: float | None) -> str:
 
 
 def document(rows: Sequence[Row], trials: Sequence[Trial], preset: str, seed: int) -> dict[str, Any]:
-    """Everything, as it goes into JSON."""
+    """Document for JSON."""
     return {
         "schema": 1,
         "preset": preset,

@@ -1,4 +1,4 @@
-"""Why there is a door at a place, or none: what every stage decided about what lies nearest to it."""
+"""Why there is a door at a point, or none: the decision of each stage about the nearest elements."""
 
 from __future__ import annotations
 
@@ -22,25 +22,26 @@ STATES = {-1: "unknown", 0: "free", 100: "occupied"}
 
 @dataclass(frozen=True, kw_only=True)
 class Place:
-    """The point that was asked about, and what is there."""
+    """The queried point and the map at that point."""
 
     point_m: Point
     col_row: tuple[int, int]
-    """Cell of the input."""
+    """Cell of the input grid."""
     value: int
-    """Of that cell: -1 unknown, 0 free to 100 occupied."""
+    """Value of that cell: -1 unknown, 0 free to 100 occupied."""
     working_col_row: tuple[int, int] | None = None
+    """Cell of the simplified grid; None if that was not recorded."""
     state: str = ""
-    """Of the simplified cell: unknown, free or occupied."""
+    """State of the simplified cell: unknown, free or occupied."""
     reason: str = ""
-    """Why the simplified cell is not what resampling made it."""
+    """Why simplification changed the cell after resampling."""
     room: int = 0
-    """Room of the final map, 0 where there is none."""
+    """Room of the final map, 0 if none."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Answer:
-    """All that is known about a place, the nearest first."""
+    """Explanation of a place: the nearest elements of each stage, nearest first."""
 
     place: Place
     samples: tuple[Sample, ...] = ()
@@ -49,13 +50,14 @@ class Answer:
     doors: tuple[DoorFate, ...] = ()
     passages: tuple[Passage, ...] = ()
     recorded: tuple[str, ...] = ()
-    """Stages that were recorded: of those that are not there, nothing can be known."""
+    """Topics of the recorded stages; the results of others are unknown."""
 
 
 def explain(run: History, point_m: Point, *, count: int = 3) -> Answer:
-    """The decisions about the `count` nearest samples, candidates, corners and doors to x, y in the map frame.
+    """Decisions about the `count` samples, candidates, corners and doors nearest to x, y in the map frame.
 
-    Of the doors the nearest proposed and the nearest rejected ones are told. `SettingError` for a point off the map.
+    Doors are the `count` nearest proposed and the `count` nearest rejected ones. `SettingError` for a point off the
+    map.
     """
     place = _place(run, point_m)
     has = run.has

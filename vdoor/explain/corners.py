@@ -1,4 +1,4 @@
-"""What became of samples and corners: straight, candidate, suppressed, corner; and the doors of a corner."""
+"""Decisions about samples (straight, candidate, suppressed, corner) and the doors at each corner."""
 
 from __future__ import annotations
 
@@ -21,25 +21,25 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True, kw_only=True)
 class Sample:
-    """A sample of the path: how it bends, and what became of it."""
+    """A sample of the path, its angle, and the decision about it."""
 
     sample: int
     away_m: float
     point_m: Point
     angle_deg: float
     below_deg: float
-    """Only samples that bend to less than this are candidates."""
+    """Samples with a smaller angle are candidates."""
     k_forward: int
     k_backward: int
     convex: bool | None = None
-    """Of candidates."""
+    """Convex or concave, for candidates; None for other samples."""
     corner: int = -1
-    """The corner that it is, or whose plateau it belongs to."""
+    """Corner that the sample is, or whose plateau it belongs to; -1 if none."""
     rival: int = -1
-    """The sharpest candidate of its kind within the window, if that is sharper."""
+    """Sharpest candidate of the same kind within the window, if it is sharper than this one; -1 if none."""
     rival_angle_deg: float = 0.0
     rival_gap_m: float = 0.0
-    """Along the path."""
+    """Distance to that candidate along the path."""
     window_m: float = 0.0
     decision: str = ""
     """straight, candidate, corner, plateau or suppressed."""
@@ -57,19 +57,19 @@ class CornerFate:
     convex: bool
     doors: tuple[int, ...]
     nearest_convex: int
-    """The nearest other convex corner, -1 where there is none."""
+    """Nearest other convex corner, -1 if there is none."""
     nearest_convex_m: float
     max_length_m: float
 
 
 def sample_fates(run: History, point_m: Point, among: Ints, count: int) -> tuple[Sample, ...]:
-    """The nearest of some samples of the path."""
+    """The `count` samples nearest to a point, out of the samples `among`."""
     near = nearest(run, point_m, (run.path.half[among] - 1) / 2, count)
     return tuple(sample_fate(run, int(among[index]), away_m) for index, away_m in near)
 
 
 def sample_fate(run: History, sample: int, away_m: float = 0.0) -> Sample:
-    """What became of one sample of the path, as far as it was recorded."""
+    """One sample of the path and the recorded decision about it."""
     curvature = run.curvature
     rest: dict[str, Any] = {"decision": "straight"}
     if run.has(Candidates):
@@ -91,7 +91,7 @@ def sample_fate(run: History, sample: int, away_m: float = 0.0) -> Sample:
 
 
 def _peak(run: History, row: int) -> dict[str, Any]:
-    """Whether a candidate is a corner, lies on a corner's plateau, or which sharper one suppressed it."""
+    """Decision about a candidate: corner, on a corner's plateau, or suppressed by a sharper candidate."""
     path, found, corners = run.path, run.candidates, run.corners
     window_m = run.pipeline.corners.reach_m(path)
     is_corner = np.flatnonzero(corners.sample == found.sample[row])
@@ -100,10 +100,10 @@ def _peak(run: History, row: int) -> dict[str, Any]:
     sharpness = cosine(run.curvature)[found.sample]
     gap_m = _gaps(path, int(found.sample[row]), found.sample)
     bend = found.convex & path.turned_left[found.sample] & (not path.on_cracks)
-    rival = (gap_m <= window_m + EPSILON) & (found.convex == found.convex[row]) & ~(bend & bend[row])
-    rival &= sharpness > sharpness[row]
-    if rival.any():
-        best = min(np.flatnonzero(rival), key=lambda other: (-sharpness[other], gap_m[other]))
+    sharper = (gap_m <= window_m + EPSILON) & (found.convex == found.convex[row]) & ~(bend & bend[row])
+    sharper &= sharpness > sharpness[row]
+    if sharper.any():
+        best = min(np.flatnonzero(sharper), key=lambda other: (-sharpness[other], gap_m[other]))
         return {
             "decision": "suppressed",
             "rival": int(found.sample[best]),
@@ -116,13 +116,13 @@ def _peak(run: History, row: int) -> dict[str, Any]:
 
 
 def _gaps(path: BoundaryPath, sample: int, others: Ints) -> Floats:
-    """Path length (k,) from one sample to others, infinite on another contour."""
+    """Path length (k,) from one sample to others; infinite between contours."""
     one = np.full(len(others), sample, np.int32)
     return np.where(path.contour[one] == path.contour[others], gaps_m(path, one, others), np.inf)
 
 
 def corner_fates(run: History, point_m: Point, count: int) -> tuple[CornerFate, ...]:
-    """The nearest corners."""
+    """The `count` corners nearest to a point."""
     near = nearest(run, point_m, run.corners.cell, count)
     return tuple(_corner_fate(run, corner, away_m) for corner, away_m in near)
 

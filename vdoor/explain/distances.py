@@ -1,4 +1,4 @@
-"""What lies nearest to a point, and how far virtual doors reach."""
+"""Nearest elements to a point, and the length limits of virtual doors."""
 
 from __future__ import annotations
 
@@ -16,31 +16,31 @@ Point = tuple[float, float]
 
 
 def nearest(run: History, point_m: Point, places: NDArray[Any], count: int) -> list[tuple[int, float]]:
-    """The `count` nearest of places (k, 2) in working cells: index and metres away, the first one at a tie."""
+    """The `count` nearest of places (k, 2) in working cells: index and distance in metres; ties by index."""
     away_m = np.hypot(*(run.simplified.frame.world_from_cell(places) - point_m).T).round(9)
     order = np.argsort(away_m, kind="stable")[:count]
     return [(int(index), float(away_m[index])) for index in order]
 
 
 def point_of(run: History, place: NDArray[Any]) -> Point:
-    """A place as row, col of working cells in metres."""
+    """Position in metres of a place given as row, col of working cells."""
     x_m, y_m = run.simplified.frame.world_from_cell(place)[0].tolist()
     return x_m, y_m
 
 
 @dataclass(frozen=True)
 class Reach:
-    """The limits of one kind of virtual doors."""
+    """Limits of one kind of virtual door."""
 
     max_length_m: float
     detour: float | None
-    """The path between the ends must be so many times longer than the door; None where it is not asked."""
+    """Minimum ratio of the path length between the ends to the length of the door; None if there is no such limit."""
     least_width_m: float = 0.0
-    """Narrower gaps are no doors."""
+    """Minimum width of the free gap."""
 
 
 def reach(settings: ProposeDoors | ProposeWideDoors, kind: str) -> Reach:
-    """The limits of pairs, singles or extensions."""
+    """Limits of doors of one kind: pair, single or extension."""
     if isinstance(settings, ProposeDoors):
         return Reach(settings.max_length_m, settings.pair_detour if kind == "pair" else settings.single_detour)
     return {
@@ -51,7 +51,7 @@ def reach(settings: ProposeDoors | ProposeWideDoors, kind: str) -> Reach:
 
 
 def longest_m(settings: ProposeDoors | ProposeWideDoors) -> float:
-    """The longest door of any kind."""
+    """Maximum length over all kinds of doors."""
     if isinstance(settings, ProposeDoors):
         return settings.max_length_m
     return max(settings.pair_m, settings.single_m, settings.extension_m)

@@ -1,4 +1,4 @@
-"""What became of virtual doors: proposed or rejected, likely or not, edge or idle, kept or removed; the final door."""
+"""Decisions about virtual doors: proposed or rejected, likely or not, edge or idle, kept or removed; the final door."""
 
 from __future__ import annotations
 
@@ -24,22 +24,22 @@ Ints = NDArray[np.int32]
 
 @dataclass(frozen=True, kw_only=True)
 class SearchFate:
-    """What the search did with one door."""
+    """Decision of the search about one door."""
 
     removed: bool
     last_change: int
-    """The generation in which the best string last changed it; 0 where it never did."""
+    """Generation in which the door's bit of the best string last changed; 0 if it never did."""
     changes: int
     last_generation: int
     cost: float
-    """Of the final string, evaluated again."""
+    """Cost of the final string, evaluated again."""
     cost_flipped: float
-    """Of the final string with this door alone flipped."""
+    """Cost of the final string with only this door's bit flipped."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class DoorFate:
-    """A virtual door, and each stage's decision about it."""
+    """A virtual door, and the decision of each stage about it."""
 
     door: int
     away_m: float
@@ -53,36 +53,36 @@ class DoorFate:
     width_m: float
     tilt_deg: float
     gap_m: float | None
-    """Along the path between its ends, the shorter way round; none between two contours."""
+    """Path length between its ends along the boundary, the shorter way round; None between two contours."""
     least_gap_m: float | None
-    """What that must exceed: the detour times the length; none for extensions, of which it is not asked."""
+    """Value that `gap_m` must exceed: the detour times the length; None for extensions, which have no such limit."""
     least_width_m: float = 0.0
-    """The free gap must have at least this."""
+    """Minimum width of the free gap."""
     blocked_at: tuple[int, int] | None = None
-    """First working cell (col, row) in its way."""
+    """First blocked working cell (col, row) on its line."""
     twin: int = -1
-    """The door with the same ends that was kept, for duplicates."""
+    """For duplicates, the door with the same ends that was kept; -1 otherwise."""
     score: ScoreFate | None = None
-    """Of proposed doors, where doors are scored."""
+    """For proposed doors of runs that score doors."""
     edge: int = -1
     regions: tuple[int, ...] = ()
     idle: bool = False
-    """Proposed, but it borders fewer than two regions, or fewer than two that the input shows."""
+    """Proposed, but it borders fewer than two regions, in the working grid or in the input."""
     idle_reason: str = IDLE[0]
-    """Which of the two, where the recording says it."""
+    """Which of the two, if recorded."""
     search: SearchFate | None = None
     separates_nothing: bool = False
-    """Kept by the search, and dropped at the end."""
+    """Kept by the search, but dropped from the final map."""
     final_door: tuple[int, ...] = ()
     final_rooms: tuple[tuple[int, int], ...] = ()
     fate: str = ""
-    """The last word: a verdict, unlikely, outdone, idle, removed, separates nothing, no room there, edited away, door,
-    or open."""
+    """Final outcome: a verdict, unlikely, outdone, idle, removed, separates nothing, no room there, edited away, door,
+    or open (not decided in this recording)."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Passage:
-    """A door of the final map that no virtual door stands for.
+    """A door of the final map without a virtual door.
 
     It is too narrow for the working resolution, or was added by an edit.
     """
@@ -95,7 +95,7 @@ class Passage:
 
 
 def door_fates(run: History, point_m: Point, count: int) -> tuple[DoorFate, ...]:
-    """The nearest proposed and the nearest rejected doors, the nearest first."""
+    """The `count` nearest proposed and the `count` nearest rejected doors, sorted by distance."""
     doors, frame = run.doors, run.doors.frame
     ends_m = [frame.world_from_cell(end) for end in (doors.start, doors.end)]
     away_m = to_segments_m(np.array(point_m), *ends_m).round(9)
@@ -107,7 +107,7 @@ def door_fates(run: History, point_m: Point, count: int) -> tuple[DoorFate, ...]
 
 
 def door_fate(run: History, door: int, away_m: float = 0.0) -> DoorFate:
-    """What became of one virtual door, as far as it was recorded."""
+    """One virtual door and the recorded decisions about it."""
     doors, kind = run.doors, KINDS[run.doors.kind[door]]
     limits = reach(run.pipeline.doors, kind)
     verdict = VERDICTS[doors.verdict[door]]
@@ -135,7 +135,7 @@ def door_fate(run: History, door: int, away_m: float = 0.0) -> DoorFate:
 
 
 def _after(run: History, door: int) -> dict[str, Any]:
-    """What happened to a proposed door from its score or the initial map on."""
+    """Decisions about a proposed door, from its score or the initial map on."""
     score = score_fate(run, door)
     found: dict[str, Any] = {"score": score, "fate": "open"}
     if score is not None and score.judgement != "likely":
@@ -154,13 +154,13 @@ def _after(run: History, door: int) -> dict[str, Any]:
 
 
 def _idle_reason(run: History, door: int) -> str:
-    """Why a door is no edge of the initial map."""
+    """Why a door is not an edge of the initial map."""
     row = run.initial.idle_door.tolist().index(door)
     return run.initial.idle_reason[row] if run.initial.idle_reason else IDLE[0]
 
 
 def _end(run: History, edge: int, search: SearchFate) -> dict[str, Any]:
-    """What the search's choice made of an edge in the final map."""
+    """Outcome of an edge in the final map."""
     if not run.has(TopologicalMap):
         return {}
     if search.removed:
@@ -175,7 +175,7 @@ def _end(run: History, edge: int, search: SearchFate) -> dict[str, Any]:
 
 
 def search_fate(run: History, edge: int) -> SearchFate:
-    """What the search did with one edge, and what flipping it alone would cost."""
+    """Decision of the search about one edge, and the cost with only this edge flipped."""
     choices = run.search.choices(edge)
     changes = np.flatnonzero(choices[1:] != choices[:-1]) + 1
     final = run.search[-1]
@@ -194,14 +194,14 @@ def search_fate(run: History, edge: int) -> SearchFate:
 
 
 def path_gap_m(run: History, door: int) -> float | None:
-    """Length of the path between a door's ends, the shorter way; none where they lie on two contours."""
+    """Path length between a door's ends, the shorter way round; None if they are on different contours."""
     path, corners, doors = run.path, run.corners, run.doors
     start = corners.sample[doors.corner_start[door]]
     if doors.corner_end[door] >= 0:
         ends = corners.sample[[doors.corner_end[door]]]
     else:
         apart = ((path.cell - doors.end[door]).astype(np.int64) ** 2).sum(axis=1)
-        ends = np.flatnonzero(apart == apart.min()).astype(np.int32)  # the end of an extension may lie off the path
+        ends = np.flatnonzero(apart == apart.min()).astype(np.int32)  # the end of an extension may be off the path
     ends = ends[path.contour[ends] == path.contour[start]]
     if not len(ends):
         return None
@@ -209,7 +209,10 @@ def path_gap_m(run: History, door: int) -> float | None:
 
 
 def blocked_at(run: History, door: int) -> tuple[int, int] | None:
-    """First cell (col, row) on a door's line that is not free; between two cells both must be taken."""
+    """First cell (col, row) on a door's line that is not free; None if there is none.
+
+    Where the line passes between two cells, it is blocked if neither is free.
+    """
     free = run.simplified.cells == FREE
     start, span = run.doors.start[door], run.doors.end[door] - run.doors.start[door]
     steps = int(np.abs(span).max())
@@ -222,7 +225,7 @@ def blocked_at(run: History, door: int) -> tuple[int, int] | None:
 
 
 def twin_of(run: History, door: int) -> int:
-    """The proposed door with the same ends."""
+    """The proposed door with the same ends, -1 if there is none."""
     doors = run.doors
     same = (doors.start == doors.start[door]).all(axis=1) & (doors.end == doors.end[door]).all(axis=1)
     same |= (doors.start == doors.end[door]).all(axis=1) & (doors.end == doors.start[door]).all(axis=1)
@@ -231,7 +234,7 @@ def twin_of(run: History, door: int) -> int:
 
 
 def to_segments_m(point_m: Floats, start_m: Floats, end_m: Floats) -> Floats:
-    """Distance (k,) of one point to segments."""
+    """Distance (k,) of a point (2,) to segments with ends (k, 2), all in metres."""
     along = end_m - start_m
     length = np.maximum((along**2).sum(axis=1), 1e-12)
     share = np.clip(((point_m - start_m) * along).sum(axis=1) / length, 0, 1)
@@ -239,7 +242,7 @@ def to_segments_m(point_m: Floats, start_m: Floats, end_m: Floats) -> Floats:
 
 
 def passages(run: History, point_m: Point, count: int) -> tuple[Passage, ...]:
-    """The nearest doors of the final map that no virtual door stands for."""
+    """The `count` nearest doors of the final map without a virtual door."""
     found = run.topology
     rows = np.flatnonzero(found.edge < 0)
     away_m = to_segments_m(np.array(point_m), found.start_m[rows], found.end_m[rows]).round(9)

@@ -1,4 +1,4 @@
-"""What speaks for and against a virtual door: its score, the features behind it, the doors that stood against it."""
+"""Evidence for and against a virtual door: its score, the features that made it, and conflicting doors."""
 
 from __future__ import annotations
 
@@ -14,57 +14,59 @@ from vdoor.method.scoring.model import DoorModel, model_named
 from vdoor.method.scoring.score import JUDGEMENTS, DoorScores, ScoreDoors
 
 MOST_REASONS = 3
+"""Number of features listed for and against a door."""
 SAME_LOG_ODDS = 1e-6
-"""Curves that give another sum than the recorded one are not those that the run used."""
+"""Tolerance on the recorded sum; curves that differ by more are not those that the run used."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Reason:
-    """One feature of a door, and what it says."""
+    """One feature of a door, and its contribution to the score."""
 
     feature: str
     value: float
     log_odds: float
-    """Above 0 it speaks for a door."""
+    """Above 0 it is evidence for a door."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Conflict:
-    """Another likely door, of which at most one of the two can be real."""
+    """Another likely door that conflicts with this one: at most one of the two can be real."""
 
     door: int
     log_odds: float
     kept: bool | None
-    """By the search; None where that was not recorded, or it borders fewer than two regions."""
+    """Whether the search kept it; None if that was not recorded or the door borders fewer than two regions."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class ScoreFate:
-    """What was said of one door."""
+    """Score of one door."""
 
     log_odds: float
     judgement: str
-    """likely, unlikely or outdone; the search decides among the likely ones."""
+    """likely, unlikely or outdone; only likely doors are passed to the search."""
     least_log_odds: float
-    """Doors below it are unlikely."""
+    """Doors below this are unlikely."""
     share_rough: float
-    """How much the curves for ragged maps count, 0 to 1."""
+    """Weight of the curves for rough maps, 0 to 1."""
     sure: bool = False
-    """So likely in pass 1 that it was closed in pass 2."""
+    """Likely enough in pass 1 to be closed in pass 2."""
     suppressed_by: int = -1
-    """The likeliest door at nearly the same place."""
+    """For outdone doors, the likeliest door at nearly the same place; -1 otherwise."""
     outdone_by_log_odds: float = 0.0
     bias: float | None = None
-    """Log-odds of a door of which nothing is known; None where the curves that the run used are not to be had."""
+    """Log-odds before any feature; None if the curves that the run used are not available."""
     reasons_for: tuple[Reason, ...] = ()
-    """The features that speak most for it, the loudest first."""
+    """Strongest features for the door, strongest first."""
     reasons_against: tuple[Reason, ...] = ()
+    """Strongest features against the door, strongest first."""
     conflicts: tuple[Conflict, ...] = ()
-    """The likeliest first."""
+    """Conflicting doors, likeliest first."""
 
 
 def score_fate(run: History, door: int) -> ScoreFate | None:
-    """What was said of a virtual door; None where nothing was."""
+    """Score of a virtual door; None if it was not scored."""
     if not run.has(DoorScores):
         return None
     scores, settings = run.scores, run.pipeline.score
@@ -90,20 +92,23 @@ def score_fate(run: History, door: int) -> ScoreFate | None:
 
 
 def reasons_of(scores: DoorScores, row: int, *, model: str) -> tuple[float | None, list[Reason]]:
-    """The bias, and all features of a scored door, from the loudest for it to the loudest against it."""
+    """The bias, and all features of a scored door, from the strongest for it to the strongest against it.
+
+    None and no features if the curves that the run used are not available.
+    """
     curves = model_used(scores, row, model=model)
     if curves is None:
         return None, []
-    says = curves.last.says(scores.feature[[row]], scores.share_rough)[0]
+    contributions = curves.last.says(scores.feature[[row]], scores.share_rough)[0]
     reasons = [
-        Reason(feature=name, value=float(scores.feature[row, at]), log_odds=float(says[at]))
+        Reason(feature=name, value=float(scores.feature[row, at]), log_odds=float(contributions[at]))
         for at, name in enumerate(FEATURES)
     ]
     return curves.last.bias(scores.share_rough), sorted(reasons, key=lambda reason: -reason.log_odds)
 
 
 def model_used(scores: DoorScores, row: int, *, model: str) -> DoorModel | None:
-    """The curves by which a door was scored; None where they are gone, or say something else by now."""
+    """The curves that scored a door; None if they are missing, or give another score now."""
     try:
         curves = model_named(model)
     except SettingError:
@@ -113,7 +118,7 @@ def model_used(scores: DoorScores, row: int, *, model: str) -> DoorModel | None:
 
 
 def suppressed_by(run: History, row: int, near_m: float) -> int:
-    """The likeliest of the likelier scored doors whose middle is near that of this one; -1 where there is none."""
+    """The likeliest scored door that is likelier than this one and has its middle near by; -1 if there is none."""
     scores = run.scores
     middle = middles(run)
     away = np.hypot(*(middle - middle[row]).T)
@@ -128,7 +133,7 @@ def middles(run: History) -> NDArray[np.float64]:
 
 
 def conflicts_of(run: History, row: int) -> tuple[Conflict, ...]:
-    """The doors that exclude a scored one, the likeliest first."""
+    """Doors in conflict with a scored door, likeliest first."""
     scores = run.scores
     others = np.concatenate([scores.rival_b[scores.rival_a == row], scores.rival_a[scores.rival_b == row]])
     others = np.sort(others)
@@ -141,6 +146,6 @@ def conflicts_of(run: History, row: int) -> tuple[Conflict, ...]:
 
 
 def kept(run: History, door: int) -> bool | None:
-    """Whether the search kept a virtual door; None where it never had it, or was not recorded."""
+    """Whether the search kept a virtual door; None if it is not an edge or the search was not recorded."""
     edge = run.edge_of_door.get(door) if len(run.search) else None
     return None if edge is None else not run.search[-1].removed[edge]

@@ -1,6 +1,6 @@
-"""How each stage of a run is shown: one row a stage, read by the viewer, the terminal, the report and `vdoor why`.
+"""How each stage of a run is shown: one row per stage, read by the viewer, the terminal, the report and `vdoor why`.
 
-A stage without a row is shown as well, by its record's own fields.
+A stage without a row is shown by the fields of its record.
 """
 
 from __future__ import annotations
@@ -34,31 +34,31 @@ Numbers = NDArray[np.integer]
 
 @dataclass(frozen=True, kw_only=True)
 class StageView:
-    """One stage as people see it."""
+    """Texts and elements that show one stage."""
 
     record: type[Record]
     name: str
-    """On the report, where a stage is a layer of the map."""
+    """Name of the stage's layer in the report."""
     title: str
-    """The same with what it holds, as a heading in the terminal."""
+    """Heading in the terminal."""
     summary: Callable[[History], str]
-    """What the stage found, in a line."""
+    """Result of the stage in one line."""
     tab: str
-    """The viewer's tab that shows it."""
+    """Tab of the viewer that shows the stage."""
     meaning: str = ""
-    """What is seen there; empty where another stage of the tab says so."""
+    """Legend of the tab; empty if another stage of the tab has it."""
     element: str = ""
-    """What a walk through the stage goes along: samples, virtual doors, generations, doors of the final map."""
+    """What the stepper visits in this stage: samples, virtual doors, generations or doors of the final map."""
     stops: Callable[[History], Numbers] = lambda _: np.zeros(0, np.int64)
-    """Numbers of the elements it stops at, sorted."""
+    """Sorted numbers of the elements that the stepper visits."""
     words: Mapping[str, str] = field(default_factory=dict)
-    """What its codes mean."""
+    """Meaning of each code."""
     needs: str = ""
-    """The part of the settings without which there is nothing to see."""
+    """Table of the settings that a run must have for the stage to be shown; empty for any run."""
 
 
 def percent(share: float) -> str:
-    """A share in whole percent, never 0 or 100 where it is not."""
+    """A share as whole percent; 0 % and 100 % only if exact."""
     rounded = round(100 * share)
     if rounded == 0 < share:
         return "under 1 %"
@@ -139,23 +139,21 @@ def _map_summary(run: History) -> str:
 
 
 STAGE_VIEWS = (
-    StageView(
-        record=OccupancyGrid, name="Map as read", title="the map as read", summary=_input_summary, tab="Simplified"
-    ),
+    StageView(record=OccupancyGrid, name="Input map", title="input map", summary=_input_summary, tab="Simplified"),
     StageView(
         record=SimplifiedGrid,
         name="Simplified grid",
-        title="simplified grid: what was removed and why",
+        title="simplified grid: changed cells and reasons",
         summary=_simplified_summary,
         tab="Simplified",
-        meaning="the working grid; coloured cells were removed: unreachable, jut, notch, island",
+        meaning="the working grid; coloured cells were changed: unreachable, jut, notch, island",
         words={
-            "unreachable": "free or occupied, but not where the robot can be or beside it: unknown now",
-            "jut": "a short bump of a wall, free now",
-            "notch": "a short dent of a wall, occupied now",
-            "island": "an obstacle standing free, small enough to be furniture: free now",
-            "thin unknown": "unknown in a thin line with free space around it: free now",
-            "slit": "free space too narrow to go through: closed now",
+            "unreachable": "not reachable by the robot and not next to reachable space; set to unknown",
+            "jut": "a short bump on a wall; set to free",
+            "notch": "a short dent in a wall; set to occupied",
+            "island": "a free-standing obstacle, small enough to be furniture; set to free",
+            "thin unknown": "a thin line of unknown cells with free space around it; set to free",
+            "slit": "free space too narrow for the robot; closed",
         },
     ),
     StageView(
@@ -164,7 +162,7 @@ STAGE_VIEWS = (
         title="left-hand path along the boundary",
         summary=_path_summary,
         tab="Path",
-        meaning="boundary (yellow), walker and heading",
+        meaning="boundary (yellow), position and heading of the walk",
         element="sample",
         stops=lambda run: np.arange(len(run.path.cell)),
     ),
@@ -174,14 +172,14 @@ STAGE_VIEWS = (
         title="curvature along the path",
         summary=_curvature_summary,
         tab="Curvature",
-        meaning="angle between f and b; below the threshold a sample is a candidate",
+        meaning="angle between f and b; samples below the threshold are candidates",
         element="sample",
         stops=lambda run: np.arange(len(run.path.cell)),
     ),
     StageView(
         record=Candidates,
-        name="Candidates for corners",
-        title="samples that bend more than the threshold",
+        name="Corner candidates",
+        title="candidates: samples with an angle below the threshold",
         summary=lambda run: _convex_summary(run.candidates.convex),
         tab="Corners",
         element="sample",
@@ -190,7 +188,7 @@ STAGE_VIEWS = (
     StageView(
         record=Corners,
         name="Corner features",
-        title="corners: the sharpest candidates nearby",
+        title="corners: the sharpest candidates in their neighbourhood",
         summary=lambda run: _convex_summary(run.corners.convex),
         tab="Corners",
         meaning="candidates (small) and corner features (large); blue convex, green concave",
@@ -200,7 +198,7 @@ STAGE_VIEWS = (
     StageView(
         record=Skeleton,
         name="Skeleton",
-        title="skeleton: the middle of the free space",
+        title="skeleton of the free space",
         summary=lambda run: f"{len(run.skeleton.cell)} points",
         tab="Narrow places",
     ),
@@ -210,20 +208,20 @@ STAGE_VIEWS = (
         title="narrow places of the skeleton",
         summary=_narrows_summary,
         tab="Narrow places",
-        meaning="skeleton of the free space; where it is narrow (blue), and where not",
+        meaning="skeleton of the free space; narrow places (blue) and rejected ones",
     ),
     StageView(
         record=ErodedSpace,
         name="Cores",
-        title="what is left of the free space far from walls",
+        title="cores: eroded free space",
         summary=lambda run: f"{len(run.eroded.kept)} parts, {int(run.eroded.kept.sum())} of them cores of rooms",
         tab="Cores",
-        meaning="what is left of the free space far from walls, and the rooms that grow back from it",
+        meaning="eroded free space, and the rooms grown back from it",
     ),
     StageView(
         record=GrownRooms,
         name="Rooms grown back",
-        title="rooms grown back from it",
+        title="rooms grown back from the cores",
         summary=lambda run: f"{run.grown.room.max()} rooms",
         tab="Cores",
     ),
@@ -233,17 +231,17 @@ STAGE_VIEWS = (
         title="virtual doors, proposed and rejected",
         summary=_doors_summary,
         tab="Doors",
-        meaning="proposed doors (blue), rejected ones in a layer for each reason",
+        meaning="proposed doors (blue), and rejected doors in one layer per reason",
         element="door",
         stops=lambda run: np.arange(len(run.doors.verdict)),
     ),
     StageView(
         record=DoorScores,
-        name="Scores of doors",
-        title="what speaks for and against each proposed door",
+        name="Door scores",
+        title="door scores: evidence for and against each proposed door",
         summary=_scores_summary,
         tab="Scores",
-        meaning="likely doors from doubtful (orange) to sure (green), unlikely and outdone ones; lines join conflicts",
+        meaning="likely doors from doubtful (orange) to sure (green), unlikely and outdone ones; lines mark conflicts",
         element="door",
         stops=lambda run: run.scores.door,
     ),
@@ -271,14 +269,14 @@ STAGE_VIEWS = (
     StageView(
         record=Certificate,
         name="Certificate",
-        title="what can be proven of the search's choice",
+        title="certificate: optimality of the search result",
         summary=_certificate_summary,
         tab="Search",
     ),
     StageView(
         record=Edits,
         name="Edits",
-        title="what people changed, and what came of it",
+        title="edits and their results",
         summary=_edits_summary,
         tab="Rooms",
     ),
@@ -293,11 +291,11 @@ STAGE_VIEWS = (
         stops=lambda run: np.arange(len(run.topology.kind)),
     ),
 )
-"""In the order in which they are shown."""
+"""All stages that have a row, in the order in which they are shown."""
 
 
 def view_of(record: type[Record]) -> StageView:
-    """The row of a stage, or one made of its topic and its record's sizes."""
+    """The row of a stage, or a default made from its topic and the sizes of its record."""
     own = next((view for view in STAGE_VIEWS if view.record is record), None)
     if own is not None:
         return own

@@ -1,4 +1,4 @@
-"""An answer as text for people."""
+"""The answer of `vdoor why` as text."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from vdoor.grid import FREE_TO, OCCUPIED_FROM
 from vdoor.method.initial_map import IDLE
 from vdoor.method.simplify import SimplifiedGrid
 
-MOST_RIVALS = 5
-"""Told one by one."""
+MOST_CONFLICTS = 5
+"""Conflicting doors that are listed by number; of more, only the count."""
 
 
 def to_lines(answer: Answer) -> Iterator[str]:
@@ -24,17 +24,17 @@ def to_lines(answer: Answer) -> Iterator[str]:
     yield from place_lines(answer.place)
     yield ""
     if answer.samples:
-        yield f"path: the nearest samples; candidates bend to less than {answer.samples[0].below_deg:g} deg"
+        yield f"path: nearest samples; samples below {answer.samples[0].below_deg:g} deg are candidates"
         yield from map(sample_line, answer.samples)
     more = [candidate for candidate in answer.candidates if candidate not in answer.samples]
     if more:
-        yield "candidates further away"
+        yield "candidates farther away"
         yield from map(sample_line, more)
     if answer.corners:
-        yield "corners, the nearest"
+        yield "corners: nearest"
         yield from map(corner_line, answer.corners)
     if "doors" in answer.recorded:
-        yield "doors, the nearest proposed and rejected" if answer.doors else "doors: none proposed or rejected"
+        yield "doors: nearest proposed and rejected" if answer.doors else "doors: none proposed or rejected"
     for door in answer.doors:
         yield from door_lines(door)
     for passage in answer.passages:
@@ -43,44 +43,51 @@ def to_lines(answer: Answer) -> Iterator[str]:
             f"rooms {passage.rooms[0]} and {passage.rooms[1]}: {_why_no_edge(passage)}"
         )
     if "map" not in answer.recorded:
-        yield f"the recording ends after {answer.recorded[-1]}: of later stages nothing is known"
+        yield f"the recording ends after {answer.recorded[-1]}: the results of later stages are unknown"
 
 
 def place_lines(place: Place) -> Iterator[str]:
-    """What is at the point itself."""
+    """The map at the point itself."""
     col, row = place.col_row
     yield f"at {_at(place.point_m)} m, cell {col},{row} (col,row)"
     if place.value < 0:
         yield "  input: unknown"
     else:
-        state = "free" if place.value <= FREE_TO else "occupied" if place.value >= OCCUPIED_FROM else "between both"
+        state = (
+            "free"
+            if place.value <= FREE_TO
+            else "occupied"
+            if place.value >= OCCUPIED_FROM
+            else "neither free nor occupied"
+        )
         yield f"  input: {state} ({place.value} of 100)"
     if place.working_col_row:
         col, row = place.working_col_row
         words = view_of(SimplifiedGrid).words
-        means = f"; {place.reason}: {words[place.reason]}" if place.reason in words else ", as it was"
+        means = f"; {place.reason}: {words[place.reason]}" if place.reason in words else ", unchanged"
         yield f"  simplified: {place.state} (working cell {col},{row}){means}"
     if place.room:
         yield f"  final map: room {place.room}"
 
 
 def sample_line(sample: Sample) -> str:
-    """One sample and what became of it."""
+    """One sample and the decision about it."""
     bend = f"{sample.angle_deg:5.1f} deg  K_f {sample.k_forward} K_b {sample.k_backward}"
     head = f"  sample {sample.sample}  {sample.away_m:.2f} m away at {_at(sample.point_m)}  {bend}"
     return f"{head}  {decision(sample)}"
 
 
 def decision(sample: Sample) -> str:
-    """What became of a sample."""
+    """The decision about a sample."""
     kind = "convex" if sample.convex else "concave"
     return {
-        "straight": f"no candidate: {sample.angle_deg:.1f} deg is not below {sample.below_deg:g}",
+        "straight": f"not a candidate: {sample.angle_deg:.1f} deg is not below {sample.below_deg:g}",
         "candidate": f"{kind} candidate",
         "corner": f"{kind} candidate and corner {sample.corner}, the sharpest within {sample.window_m:.2f} m",
-        "plateau": f"{kind} candidate, no corner: as sharp as its neighbours, whose middle is corner {sample.corner}",
-        "suppressed": f"{kind} candidate, no corner: sample {sample.rival}, {sample.rival_gap_m:.2f} m along the path "
-        f"(window {sample.window_m:.2f} m), is sharper, {sample.rival_angle_deg:.1f} deg",
+        "plateau": f"{kind} candidate, not a corner: as sharp as its neighbours, whose middle is "
+        f"corner {sample.corner}",
+        "suppressed": f"{kind} candidate, not a corner: sample {sample.rival}, {sample.rival_gap_m:.2f} m along "
+        f"the path (window {sample.window_m:.2f} m), is sharper, {sample.rival_angle_deg:.1f} deg",
     }[sample.decision]
 
 
@@ -96,13 +103,13 @@ def corner_line(corner: CornerFate) -> str:
         return f"{head}: doors {', '.join(map(str, corner.doors))}"
     other = f"the nearest, {corner.nearest_convex}, is {corner.nearest_convex_m:.2f} m away"
     return (
-        f"{head}: no door, since no other convex corner and no boundary but its own wall is within "
+        f"{head}: no doors, as no other convex corner and no boundary other than its own wall is within "
         f"{corner.max_length_m:g} m ({other if corner.nearest_convex >= 0 else 'there is no other convex corner'})"
     )
 
 
 def door_lines(door: DoorFate) -> Iterator[str]:
-    """One door, a line a stage."""
+    """One door, one line per stage."""
     corners = f"corner{'s' * (len(door.corners) > 1)} {' and '.join(map(str, door.corners))}"
     place = f"{door.away_m:.2f} m away  {_at(door.start_m)} to {_at(door.end_m)}"
     yield f"  door {door.door}  {place}  {door.kind}, {corners}  => {door.fate}"
@@ -112,8 +119,8 @@ def door_lines(door: DoorFate) -> Iterator[str]:
     if door.score:
         yield from score_lines(door.score)
         if door.score.conflicts:
-            won = door.search is not None and not door.search.removed
-            yield f"      conflicts: {_conflicts(door.score.conflicts, won=won)}"
+            kept = door.search is not None and not door.search.removed
+            yield f"      conflicts: {_conflicts(door.score.conflicts, kept=kept)}"
     if door.idle:
         yield f"    initial map: idle, {_IDLE[door.idle_reason]}"
     if door.edge >= 0:
@@ -126,14 +133,14 @@ def door_lines(door: DoorFate) -> Iterator[str]:
 
 def _detour(door: DoorFate) -> str:
     if door.gap_m is None:
-        return "its ends lie on two contours"
+        return "its ends are on different contours"
     wanted = "" if door.least_gap_m is None else f" (must exceed {door.least_gap_m:.2f})"
     return f"path between its ends {door.gap_m:.2f} m{wanted}"
 
 
 def _blocked(door: DoorFate) -> str:
     where = f", first at working cell {door.blocked_at[0]},{door.blocked_at[1]}" if door.blocked_at else ""
-    return f"rejected, blocked: not all cells between its ends are free{where}"
+    return f"rejected, blocked: cells between its ends are not free{where}"
 
 
 _VERDICTS: dict[str, Callable[[DoorFate], str]] = {
@@ -147,34 +154,34 @@ _VERDICTS: dict[str, Callable[[DoorFate], str]] = {
     "duplicate": lambda door: f"rejected, duplicate: door {door.twin} has the same ends",
     "too narrow": lambda door: (
         f"rejected, too narrow: its gap of {door.width_m:.2f} m is less than the "
-        f"{door.least_width_m:g} m that a robot needs"
+        f"{door.least_width_m:g} m that the robot needs"
     ),
 }
 
 
 _IDLE = {
     IDLE[0]: "it borders fewer than two regions",
-    IDLE[1]: "it leads to where obstacles were removed, so the input shows fewer than two regions beside it",
+    IDLE[1]: "obstacles were removed beside it, and in the input it borders fewer than two regions",
 }
 
 
 def score_lines(score: ScoreFate) -> Iterator[str]:
-    """What was said of one door: its judgement, and the loudest reasons."""
-    rough = f"; the map counts as {percent(score.share_rough)} rough"
-    bias = "" if score.bias is None else f", {score.bias:+.2f} before any feature"
+    """Score of one door: its judgement and the strongest reasons."""
+    rough = f"; the map is {percent(score.share_rough)} rough"
+    bias = "" if score.bias is None else f", bias {score.bias:+.2f}"
     odds = f"log-odds {score.log_odds:+.2f} ({percent(1 / (1 + math.exp(-score.log_odds)))}{bias})"
     yield f"    score: {odds}, {_JUDGEMENTS[score.judgement](score)}{rough}"
     if score.sure:
         yield "      pass 1: sure, so it was closed in pass 2"
     if score.bias is None:
-        yield "      reasons: the curves that this run used are not here"
+        yield "      reasons: not available, as the curves that this run used were not found"
     else:
         for word, reasons in (("for", score.reasons_for), ("against", score.reasons_against)):
             yield f"      {word}: {', '.join(map(_reason, reasons)) or 'nothing'}"
 
 
 _JUDGEMENTS: dict[str, Callable[[ScoreFate], str]] = {
-    "likely": lambda score: f"likely (at least {score.least_log_odds:+g}): the search decides",
+    "likely": lambda score: f"likely (at least {score.least_log_odds:+g}): passed to the search",
     "unlikely": lambda score: f"unlikely, below {score.least_log_odds:+g}: left out of the search",
     "outdone": lambda score: (
         f"outdone by door {score.suppressed_by} at the same place, log-odds {score.outdone_by_log_odds:+.2f}: "
@@ -184,18 +191,18 @@ _JUDGEMENTS: dict[str, Callable[[ScoreFate], str]] = {
 
 
 def _reason(reason: Reason) -> str:
-    return f"{reason.feature} {reason.value:.2f} says {reason.log_odds:+.2f}"
+    return f"{reason.feature} {reason.value:.2f} gives {reason.log_odds:+.2f}"
 
 
-def _conflicts(conflicts: Sequence[Conflict], *, won: bool) -> str:
-    """Which doors a likely one excludes, by what the search made of them."""
-    words = {True: "kept beside it" if won else "won over it", False: "beaten" if won else "not kept either"}
+def _conflicts(conflicts: Sequence[Conflict], *, kept: bool) -> str:
+    """Doors in conflict with a likely one, grouped by the decision of the search; `kept` is that about the door."""
+    words = {True: "kept as well" if kept else "kept instead", False: "removed" if kept else "removed as well"}
     parts = []
-    for kept, word in (words | {None: "not searched"}).items():
-        own = [f"door {rival.door} ({rival.log_odds:+.2f})" for rival in conflicts if rival.kept is kept]
+    for decided, word in (words | {None: "not in the search"}).items():
+        own = [f"door {other.door} ({other.log_odds:+.2f})" for other in conflicts if other.kept is decided]
         if own:
-            more = f" and {len(own) - MOST_RIVALS} more" if len(own) > MOST_RIVALS else ""
-            parts.append(f"{', '.join(own[:MOST_RIVALS])}{more} {word}")
+            more = f" and {len(own) - MOST_CONFLICTS} more" if len(own) > MOST_CONFLICTS else ""
+            parts.append(f"{', '.join(own[:MOST_CONFLICTS])}{more} {word}")
     return "; ".join(parts)
 
 
@@ -207,7 +214,7 @@ def _search(door: DoorFate) -> str:
     when = (
         f"last changed in generation {fate.last_change} of {fate.last_generation} ({times})"
         if fate.changes
-        else f"so in the best string from generation 0 to {fate.last_generation}"
+        else f"unchanged in the best string from generation 0 to {fate.last_generation}"
     )
     flip = f"{'keeping' if fate.removed else 'removing'} it alone changes the cost by {change:+.6f}"
     return f"{'removed' if fate.removed else 'kept'}, {when}; {flip} (from {fate.cost:.6f} to {fate.cost_flipped:.6f})"
@@ -219,14 +226,14 @@ def _final_door(door: DoorFate) -> str:
 
 
 def _why_no_edge(passage: Passage) -> str:
-    return "an edit laid it there" if passage.kind == "added" else "too narrow for the working resolution"
+    return "added by an edit" if passage.kind == "added" else "too narrow for the working resolution"
 
 
 _ENDS: dict[str, Callable[[DoorFate], str]] = {
     "door": _final_door,
-    "separates nothing": lambda _: "dropped: opening it joins no two rooms, it separates nothing",
-    "edited away": lambda _: "dropped: an edit made its rooms one, or cut them otherwise",
-    "no room there": lambda _: "dropped: a room beside it has no free cell of the input",
+    "separates nothing": lambda _: "dropped: it does not separate two rooms",
+    "edited away": lambda _: "dropped: an edit merged its rooms or split them differently",
+    "no room there": lambda _: "dropped: a room beside it has no free cell in the input",
 }
 
 

@@ -50,7 +50,7 @@ __all__ = [
 
 
 class Writer(NamedTuple):
-    """One format: its name, the function that gives it, and what that takes beside the map or cannot do without."""
+    """One format: its name, its function, the function's arguments besides the map, and whether it needs rooms."""
 
     name: str
     write: Callable[..., str | Raster]
@@ -74,7 +74,7 @@ WRITERS = (
 
 
 def writer_named(name: str) -> Writer:
-    """The format of that name; `SettingError` where there is none."""
+    """The format of a name; `SettingError` if there is none."""
     for writer in WRITERS:
         if writer.name == name:
             return writer
@@ -83,9 +83,9 @@ def writer_named(name: str) -> Writer:
 
 @dataclass(frozen=True)
 class Export:
-    """One export that was asked for; `SettingError` where its format cannot go with the rest, before anything is run.
+    """One requested export. Without a path its text goes to stdout.
 
-    Without a path it is text for stdout.
+    Raises `SettingError` at once if format, path and rooms do not go together.
     """
 
     writer: Writer
@@ -97,17 +97,17 @@ class Export:
         name = self.writer.name
         if self.rooms and "rooms" not in self.writer.takes:
             takers = " or ".join(writer.name for writer in WRITERS if "rooms" in writer.takes)
-            raise SettingError(f"--room: wanted {takers} with it, found {name}")
+            raise SettingError(f"--room: wanted the format {takers}, found {name}")
         if self.writer.needs_rooms and not self.rooms:
-            raise SettingError(f"{name}: wanted the rooms that stay open (--room of `vdoor export`), found none")
+            raise SettingError(f"{name}: wanted the rooms to keep open (--room of `vdoor export`), found none")
         if self.writer.image and self.path is None:
-            raise SettingError(f"{name}: wanted a file to write, found none: it is an image")
+            raise SettingError(f"{name}: wanted a file to write the image to, found none")
         if self.writer.image and self.path and self.path.suffix.lower() not in SUFFIXES:
-            raise SettingError(f"{name}: wanted a file that ends in {' or '.join(SUFFIXES)}: {self.path}")
+            raise SettingError(f"{name}: wanted a file name ending in {' or '.join(SUFFIXES)}: {self.path}")
 
     @classmethod
     def parse(cls, text: str) -> Export:
-        """What FORMAT=FILE asks for; `SettingError` for anything else."""
+        """Export from FORMAT=FILE; `SettingError` for any other text."""
         name, equals, path = text.partition("=")
         if not equals or not path:
             raise SettingError(f"--export: wanted FORMAT=FILE, found {text!r}")
@@ -115,44 +115,44 @@ class Export:
 
     @property
     def files(self) -> list[Path]:
-        """The files it writes: an image comes with a YAML."""
+        """Files that will be written; an image has a YAML beside it."""
         if self.path is None:
             return []
         return [self.path, self.path.with_suffix(".yaml")] if self.writer.image else [self.path]
 
     @property
     def takes_provenance(self) -> bool:
-        """Whether it tells how the run came to the map, see `read_finished`."""
+        """Whether the format shows the run behind the map, see `read_finished`."""
         return "provenance" in self.writer.takes
 
     def content(self, finished: Finished) -> str | Raster:
-        """The text or image; `VdoorError` where this map does not have it."""
+        """Text or image; `VdoorError` if the map cannot be written in this format."""
         choices = {"rooms": self.rooms, "provenance": finished.provenance}
         return self.writer.write(finished.topology, **{name: choices[name] for name in self.writer.takes})
 
     def put(self, content: str | Raster) -> list[Path]:
-        """Write the files, each whole or not at all; `VdoorError` where they cannot be written."""
+        """Write the files, each atomically; `VdoorError` if they cannot be written."""
         if self.path is None:
             raise SettingError(f"{self.writer.name}: wanted a file to write, found none")
         files = content.files(self.path) if isinstance(content, Raster) else [(self.path, content.encode())]
         return [write_whole(path, data) for path, data in files]
 
     def write(self, finished: Finished) -> list[Path]:
-        """Write the files of a map; `VdoorError` where it does not have them or they cannot be written."""
+        """Write the files of a map; `VdoorError` if the map has no such format or the files cannot be written."""
         return self.put(self.content(finished))
 
 
 def refuse_files(exports: Iterable[Export], *, force: bool, read: Iterable[Path] = ()) -> None:
-    """Raise `VdoorError` where an export would overwrite something without `force`, or, ever, what is `read`."""
+    """Raise `VdoorError` if an export would overwrite a file without `force`, or, even with it, one of `read`."""
     refuse_existing((path for export in exports for path in export.files), force=force, reads=read)
 
 
 def save(
     topology: TopologicalMap, path: str | Path, to: str, *, rooms: Sequence[int] = (), force: bool = False
 ) -> list[Path]:
-    """Write one format (a name in `WRITERS`) to a file; the files that were written.
+    """Write one format (a name in `WRITERS`) to a file and return the files written.
 
-    Raises `VdoorError` where the map does not have it, or a file exists and `force` is not given.
+    Raises `VdoorError` if the map cannot be written in this format, or if a file exists and `force` is not set.
     """
     export = Export(writer_named(to), Path(path), tuple(rooms))
     refuse_files([export], force=force)

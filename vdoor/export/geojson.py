@@ -1,4 +1,4 @@
-"""GeoJSON for map programs: rooms as polygons with holes, doors as lines, a feature a line."""
+"""GeoJSON for map programs: rooms as polygons with holes, doors as lines, one feature per line of text."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ from vdoor.topology import Door, Room, TopologicalMap
 def to_geojson(topology: TopologicalMap) -> str:
     """Rooms, then doors, each with its own fields as properties; x, y in metres of the map frame.
 
-    Features are called `room-1`, `door-1`, and so on. Outer rings run counter-clockwise, holes clockwise. A door's
-    line is as long as the door, so that of a passage goes half a cell further than `start_m` and `end_m`.
+    Feature ids are `room-1`, `door-1`, and so on. Outer rings run counter-clockwise, holes clockwise. A door's line is
+    as long as the door, so that of a passage extends half a cell beyond `start_m` and `end_m`.
     """
     refuse_not_finite(topology)
     rooms = [
@@ -52,17 +52,17 @@ def _door(door: Door) -> dict[str, object]:
 
 
 CRS = {"type": "name", "properties": {"name": "urn:ogc:def:crs:EPSG::3857"}}
-"""What Nav2's own files say, so that map programs take the numbers as metres and not as degrees."""
+"""The CRS of Nav2's own files, so that map programs read the numbers as metres and not as degrees."""
 
 
 def feature(kind: str, coordinates: Any, properties: Mapping[str, Any], **more: Any) -> dict[str, Any]:
-    """One feature with a geometry of that kind."""
+    """One feature with a geometry of the given kind."""
     geometry = {"type": kind, "coordinates": coordinates}
     return {"type": "Feature", **more, "properties": properties, "geometry": geometry}
 
 
 def collection_text(name: str, features: Iterable[Mapping[str, Any]]) -> str:
-    """A collection of features as JSON, one a line."""
+    """A feature collection as JSON, one feature per line."""
     head = json.dumps({"type": "FeatureCollection", "name": name, "crs": CRS})[:-1]
     lines = ",\n".join(json.dumps(item, allow_nan=False) for item in features)
     return f'{head}, "features": [\n{lines}\n]}}\n'

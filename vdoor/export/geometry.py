@@ -1,4 +1,4 @@
-"""Doors as lines and rooms as rings, the way other programs take them, and the checks before they are written."""
+"""Doors as lines and rooms as rings for other programs, and checks before they are written."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ Line = tuple[Point, Point]
 
 
 def line_m(topology: TopologicalMap, door: Door) -> Line:
-    """The door's ends, as far apart as it is long.
+    """Line along a door, as long as the door.
 
-    A passage's ends are middles of its outermost contacts, which may be one and the same: its line goes half a cell
-    on, to the walls.
+    The ends of a passage are the middles of its outermost contacts, which may coincide; its line is extended by half a
+    cell at both ends, to the walls.
     """
     start, end = topology.frame.cell_from_world(np.array([door.start_m, door.end_m]))
     span, length = end - start, door.length_m / topology.frame.resolution_m
@@ -27,8 +27,8 @@ def line_m(topology: TopologicalMap, door: Door) -> Line:
     if short < 1e-6:  # noqa: PLR2004  # a rounding error, in cells
         return door.start_m, door.end_m
     if not span.any():
-        # A contact lies between two rows or between two columns; the border goes along it.
-        between_rows = abs(start[0] - round(start[0])) > 0.25  # noqa: PLR2004  # it is a half or none
+        # A contact is between two rows or between two columns; the line runs along the border between them.
+        between_rows = abs(start[0] - round(start[0])) > 0.25  # noqa: PLR2004  # the difference is 0.5 or 0
         span = np.array([0.0, 1.0]) if between_rows else np.array([1.0, 0.0])
     more = span / math.hypot(*span) * short / 2
     (x_m, y_m), (to_x_m, to_y_m) = topology.frame.world_from_cell(np.stack([start - more, end + more])).tolist()
@@ -36,7 +36,7 @@ def line_m(topology: TopologicalMap, door: Door) -> Line:
 
 
 def right_handed(polygon_m: Polygon) -> Polygon:
-    """The same rings, the outer one counter-clockwise and holes clockwise, as RFC 7946 wants them."""
+    """The same rings, the outer one counter-clockwise and holes clockwise, as RFC 7946 requires."""
     return tuple(
         ring if (signed_area_m2(ring) > 0) == (index == 0) else tuple(reversed(ring))
         for index, ring in enumerate(polygon_m)
@@ -52,7 +52,7 @@ def check_rooms(topology: TopologicalMap, rooms: Sequence[int]) -> None:
 
 
 def refuse_not_finite(topology: TopologicalMap) -> None:
-    """VdoorError naming the first part of a map that has a number which is not finite, as damaged recordings have."""
+    """Raise `VdoorError` for the first field of a map with a number that is not finite, as in damaged recordings."""
     columns = {field.name: getattr(topology, field.name) for field in dataclasses.fields(topology)}
     pose = {f"frame.{name}": np.array(value, np.float64) for name, value in vars(topology.frame).items()}
     for name, values in (columns | pose).items():

@@ -18,9 +18,9 @@ VERSION = 1
 
 
 def to_graphml(topology: TopologicalMap) -> str:
-    """Rooms as nodes and doors as keyed edges, their points as two columns each: GraphML holds no lists.
+    """Rooms as nodes and doors as keyed edges; each point is two attributes, as GraphML has no lists.
 
-    `networkx.read_graphml(file, node_type=int, force_multigraph=True)` gives it back.
+    `networkx.read_graphml(file, node_type=int, force_multigraph=True)` reads it back.
     """
     refuse_not_finite(topology)
     source = topology.to_networkx()
@@ -35,7 +35,7 @@ def to_graphml(topology: TopologicalMap) -> str:
 
 
 def _flat(fields: dict[str, Any]) -> dict[str, Any]:
-    """Fields with each point, say `centre_m`, as `centre_x_m` and `centre_y_m`."""
+    """Fields with each point split in two: `centre_m` becomes `centre_x_m` and `centre_y_m`."""
     flat: dict[str, Any] = {}
     for name, value in fields.items():
         if isinstance(value, tuple):
@@ -49,8 +49,8 @@ def _flat(fields: dict[str, Any]) -> dict[str, Any]:
 def to_json(topology: TopologicalMap) -> str:
     """Rooms as nodes, doors as edges, points as [x, y] in metres of the map frame.
 
-    `networkx.node_link_graph(document, edges="edges")` makes a MultiGraph of it. The version goes up when a field
-    changes its meaning or goes; fields may be added within a version.
+    `networkx.node_link_graph(document, edges="edges")` makes it a MultiGraph. The version increases when a field is
+    removed or changes its meaning; fields may be added within a version.
     """
     refuse_not_finite(topology)
     frame = topology.frame
@@ -72,7 +72,7 @@ def to_json(topology: TopologicalMap) -> str:
 
 
 def schema() -> dict[str, Any]:
-    """The JSON Schema (draft 2020-12) of what `to_json` gives."""
+    """JSON Schema (draft 2020-12) of the document from `to_json`."""
     text = resources.files("vdoor.export").joinpath("graph.schema.json").read_text("utf-8")
     document: dict[str, Any] = json.loads(text)
     return document

@@ -1,4 +1,4 @@
-"""Nav2's route graph: rooms, doors and the bends between them as nodes, joined in both directions by edges."""
+"""Nav2's route graph: rooms, doors and the bends between them as nodes, with edges in both directions."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ FRAME = "map"
 
 
 class Node(NamedTuple):
-    """A place a robot goes to."""
+    """A node of the route graph."""
 
     id: int
     place_m: Point
@@ -28,11 +28,11 @@ def to_nav2_route(topology: TopologicalMap) -> str:
     """GeoJSON for the route server: nodes for rooms, doors and bends, edges through free space in both directions.
 
     A room's node has the room's id; doors follow in their order, then bends, then edges, so that ids are unique. The
-    server knows an edge as the straight line between its nodes, whatever lies between them in the file, so the way
-    from a door to the middle of a room is a chain of edges over waypoints. An edge costs its length in metres, which
-    is what the server's default scorer makes of it as well; other scorers may change it or close the edge.
+    server treats an edge as the straight line between its nodes, whatever geometry the file gives, so the route from a
+    door to the middle of a room is a chain of edges over waypoints. The cost of an edge is its length in metres, as in
+    the server's default scorer; other scorers may change it or close the edge.
 
-    Raises `VdoorError` for a map without doors, whose graph would have no edge: the server refuses such a file.
+    Raises `VdoorError` for a map without doors: the server refuses a graph without edges.
     """
     refuse_not_finite(topology)
     ways = doorways(topology)

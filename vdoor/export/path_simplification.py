@@ -1,4 +1,4 @@
-"""Ways from cell to cell made of few straight pieces."""
+"""Paths over cells simplified to a few straight segments."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 
 SLACK = 1.1
-"""How much more than the way it replaces a straight piece may cost: without, each cell on a slope would be a bend."""
+"""Maximum cost of a straight segment, relative to the path it replaces; at 1, each cell on a slope would be a bend."""
 
 
 def straightened(path: Floats, spent: Floats, weight: Floats) -> Floats:
-    """The bends (n, 2) of a path (k, 2) as row, col, both ends included: few, and the same for the same path.
+    """Bends (n, 2) of a path (k, 2) as row, col, both ends included: few, and deterministic.
 
-    `spent` (k,) is what the path costs up to each of its points. A piece between two bends lies in cells with a finite
-    `weight` (h, w) and costs at most `SLACK` times what the path costs between them.
+    `spent` (k,) is the cost of the path up to each of its points. A segment between two bends stays in cells with a
+    finite `weight` (h, w) and costs at most `SLACK` times as much as the path between them.
     """
 
     def clear(begin: int, end: int) -> bool:
@@ -25,7 +25,7 @@ def straightened(path: Floats, spent: Floats, weight: Floats) -> Floats:
         return bool(cost(path[begin], path[end], weight) <= allowed)
 
     bends, ahead = [0], [len(path) - 1]
-    while ahead:  # halved where the path is farthest from the straight line, until every piece is clear
+    while ahead:  # split where the path is farthest from the straight line, until every segment is clear
         begin, end = bends[-1], ahead[-1]
         if end == begin + 1 or clear(begin, end):
             bends.append(ahead.pop())
@@ -39,9 +39,9 @@ def straightened(path: Floats, spent: Floats, weight: Floats) -> Floats:
 
 
 def cost(start: Floats, end: Floats, weight: Floats) -> float:
-    """What a straight piece between two points (2,) as row, col costs: its length in each cell times the weight there.
+    """Cost of a straight segment between two points (2,) as row, col: its length in each cell times the cell's weight.
 
-    Infinite where it leaves the cells with a finite `weight` (h, w), or passes a corner of another one.
+    Infinite if it leaves the cells with a finite `weight` (h, w), or passes through a corner of another cell.
     """
     cells, length = crossed(start, end)
     weights = weight[tuple(cells.T)]
@@ -49,10 +49,10 @@ def cost(start: Floats, end: Floats, weight: Floats) -> float:
 
 
 def crossed(start: Floats, end: Floats) -> tuple[NDArray[np.intp], Floats]:
-    """The cells (k, 2) that a straight piece crosses, and how long (k,) it is in each, in cells.
+    """Cells (k, 2) that a straight segment crosses, and its length (k,) in each, in cells.
 
-    Points (2,) are row, col; whole numbers are middles of cells. Where the piece passes through a corner of cells, all
-    four are there once more, with length 0. Exact between multiples of a half: equal fractions are equal floats.
+    Points (2,) are row, col; integers are cell centres. Where the segment passes through a corner of cells, all four of
+    them are listed again, with length 0. Exact if the ends are multiples of a half: equal fractions are equal floats.
     """
     span = end - start
     by_row, by_col = (_borders(a, b) for a, b in zip(start.tolist(), end.tolist(), strict=True))
@@ -66,7 +66,7 @@ def crossed(start: Floats, end: Floats) -> tuple[NDArray[np.intp], Floats]:
 
 
 def _borders(start: float, end: float) -> Floats:
-    """How far along, 0 to 1, each border between two rows (or columns) lies on the way from one to the other."""
+    """Fractions, 0 to 1, at which the way from `start` to `end` crosses borders between rows (or columns)."""
     low, high = min(start, end), max(start, end)
     border = np.arange(np.floor(low + 0.5), np.ceil(high - 0.5)) + 0.5
     border = border[(low < border) & (border < high)]

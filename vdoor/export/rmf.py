@@ -14,20 +14,20 @@ from vdoor.topology import Room, TopologicalMap
 
 LEVEL = "L1"
 OURS = re.compile("(room|door)_[0-9]")
-"""How vertices are called that nobody named."""
+"""Pattern of default vertex names."""
 APPROACH_M = 0.5
-"""How far before a door a robot waits for it to open, where the room is that deep."""
+"""Distance before a door at which a robot waits for it to open, if the room is that deep."""
 
 
 def to_rmf(topology: TopologicalMap) -> str:
     """YAML for RMF's fleet adapters: vertices, lanes through free space both ways, and doors, in metres.
 
-    A robot must not stand in a doorway while it opens, so each door has a vertex on either side, straight before it.
-    The lanes between these two carry `door_name`, and RMF then asks the door of that name to open: drop the name where
-    a passage has no door leaf. Rooms that people named have these names, others `room_` and their id. From there to the
-    middle of the room lanes go over a vertex at each bend.
+    A robot must not stand in a doorway while the door opens, so each door has a vertex on either side, straight in
+    front of it. The lanes between these two have a `door_name`, and RMF requests that door to open: remove the name if
+    a passage has no door leaf. From each of the two vertices, lanes lead to the middle of the room, with a vertex at
+    each bend. Rooms are named as the user named them, others `room_` and their id.
 
-    Raises `VdoorError` for a door whose rooms do not touch, and for a room in several parts.
+    Raises `VdoorError` for a door whose rooms do not touch, and for a room in several pieces.
     """
     refuse_not_finite(topology)
     index = {room.id: number for number, room in enumerate(topology.rooms)}
@@ -55,7 +55,7 @@ def to_rmf(topology: TopologicalMap) -> str:
 
 
 def _called(room: Room, topology: TopologicalMap) -> str:
-    """The room's name, where it is no other room's and not like one of ours, else `room_` and its id."""
+    """Name of a room if it is unique and does not look like a default name, else `room_` and the id."""
     own = topology.name.count(room.name) == 1 and not OURS.match(room.name)
     return room.name if own and room.name else f"room_{room.id}"
 

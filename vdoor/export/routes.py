@@ -1,4 +1,4 @@
-"""Ways through free space: from every door to the middles of the rooms it joins."""
+"""Routes through free space, from every door to the middles of its two rooms."""
 
 from __future__ import annotations
 
@@ -24,47 +24,47 @@ Cell = tuple[int, int]
 Floats = NDArray[np.float64]
 
 CLEAR_M = 0.35
-"""How far from walls a way is as good as any: a robot as wide as that passes with half its width to spare."""
+"""Distance to walls beyond which a route costs its length: a robot of this width has half its width to spare."""
 STEEP = 3
-"""Nearer to a wall a metre counts as (CLEAR_M / distance) ** STEEP: 8 at half of it, where that robot just fits."""
+"""Nearer to a wall a metre costs (CLEAR_M / distance) ** STEEP: 8 at half of CLEAR_M, where that robot just fits."""
 
 
 @dataclass(frozen=True)
 class Side:
-    """The way from a door to the middle of one of its rooms, within that room."""
+    """The route from a door to the middle of one of its rooms, within that room."""
 
     room: int
     cell: Cell
     """Row, col of the room's cell at the door's middle."""
     points_m: tuple[Point, ...]
-    """Where it begins, its bends, the room's middle; straight between them."""
+    """Start, bends and the room's middle; straight between them."""
 
     @property
     def cost_m(self) -> float:
-        """Its length."""
+        """Length of the route."""
         return math.fsum(math.dist(*ends) for ends in pairwise(self.points_m))
 
 
 @dataclass(frozen=True)
 class Doorway:
-    """A door, where its rooms touch nearest to its middle, and the way from there on both sides."""
+    """A door, the point nearest to its middle where its rooms touch, and the routes from there on both sides."""
 
     door: Door
     middle_m: Point
-    """On the border of two free cells, one of either room."""
+    """On the border between two free cells, one of each room."""
     sides: tuple[Side, Side]
 
 
 def doorways(topology: TopologicalMap, *, before_m: float = 0.0) -> list[Doorway]:
-    """Every door with its ways, in the order of the doors.
+    """Every door with its routes, in the order of the doors.
 
-    A way is the cheapest from cell to cell of its room, straight or diagonally, where metres near walls cost more (see
-    `CLEAR_M`), made of few straight pieces. It never leaves its room, so that it holds whatever other doors are open,
-    and never slips between two cells that touch at a corner alone.
+    A route is the cheapest path over cells of its room, straight or diagonal, where metres near walls cost more (see
+    `CLEAR_M`), simplified to a few straight segments. It never leaves its room, so it is valid whichever other doors
+    are open, and never passes between two cells that touch only at a corner.
 
-    It begins in the door's middle, or as far as `before_m` straight before it, where the room is that deep.
+    It begins in the door's middle, or up to `before_m` straight in front of it, if the room is that deep.
 
-    Raises `VdoorError` for a door whose rooms do not touch, and for a room in several parts.
+    Raises `VdoorError` for a door whose rooms do not touch, and for a room in several pieces.
     """
     doors, rooms = topology.doors, {room.id: room for room in topology.rooms}
     places = _crossings(topology, doors)
@@ -84,7 +84,7 @@ def doorways(topology: TopologicalMap, *, before_m: float = 0.0) -> list[Doorway
 
 
 def _crossings(topology: TopologicalMap, doors: Sequence[Door]) -> Floats:
-    """Row, col (doors, 2) of the middle of two touching cells of each door's rooms, nearest to the door's middle."""
+    """Row, col (doors, 2) of the border of two touching cells, one of each room, nearest to each door's middle."""
     place, pair = contacts(topology.labels)
     found = np.empty((len(doors), 2))
     for row, door in enumerate(doors):
@@ -98,7 +98,7 @@ def _crossings(topology: TopologicalMap, doors: Sequence[Door]) -> Floats:
 
 
 def _across(topology: TopologicalMap, door: Door) -> Floats:
-    """Unit vector (2,) as row, col straight across the door, either way."""
+    """Unit vector (2,) as row, col, perpendicular to the door, in either direction."""
     (row, col), (end_row, end_col) = topology.frame.cell_from_world(np.array(line_m(topology, door)))
     return np.array([col - end_col, end_row - row]) / math.hypot(end_row - row, end_col - col)
 
@@ -108,7 +108,7 @@ def _points_m(topology: TopologicalMap, row_col: Floats) -> tuple[Point, ...]:
 
 
 class _Ways:
-    """Cheapest ways within one room from all of its cells to its middle; rows and columns are those of a part."""
+    """Cheapest paths within one room from all of its cells to its middle; rows and columns are relative to a crop."""
 
     def __init__(self, topology: TopologicalMap, room: Room, box: tuple[slice, ...]) -> None:
         self._room, self._topology = room.id, topology
@@ -124,7 +124,7 @@ class _Ways:
         )
 
     def side(self, crossing: Floats, across: Floats, before_m: float) -> Side:
-        """The way from a crossing (2,) as row, col of the map between this room and another, or from before it."""
+        """The route from a crossing (2,), as row, col of the map, or from up to `before_m` in front of it."""
         door = crossing - self._corner
         cell = next(end for end in (np.floor(door), np.ceil(door)) if np.isfinite(self._weight[_cell(end)]))
         start = self._place_before(door, 2 * (cell - door), across, before_m)
@@ -133,11 +133,11 @@ class _Ways:
         return Side(self._room, _cell(cell + self._corner), _points_m(self._topology, bends))
 
     def _place_before(self, door: Floats, inward: Floats, across: Floats, before_m: float) -> Floats:
-        """The last place (2,) within the room, going straight away from a door in steps of a cell; or the door."""
+        """The farthest point (2,) within the room straight in front of a door, up to `before_m`; or the door."""
         if not before_m:
             return door
         across = across if across @ inward > 0 else -across
-        if across @ inward < 0.5:  # noqa: PLR2004  # its rooms touch at more than 60 degrees from its line
+        if across @ inward < 0.5:  # noqa: PLR2004  # the rooms' contact is more than 60 degrees off the door's line
             across = inward
         place = door + inward / 2
         for step in np.arange(0.5, before_m / self._topology.frame.resolution_m + 1e-9):
@@ -147,7 +147,7 @@ class _Ways:
         return place
 
     def _path(self, start: Floats, cell: Floats) -> tuple[Floats, Floats]:
-        """The way from a point (2,) in a cell to the middle: points (k, 2), cell by cell, and the cost so far (k,)."""
+        """Path from a point (2,) in a cell to the middle: points (k, 2), one per cell, and cumulative cost (k,)."""
         numbers = [int(self._number[_cell(cell)])]
         if not np.isfinite(self._spent[numbers[0]]):
             raise VdoorError(f"room {self._room}: wanted one connected part, found several")
@@ -161,9 +161,10 @@ class _Ways:
 
 
 def weights(topology: TopologicalMap, room: int, box: tuple[slice, ...]) -> tuple[Floats, NDArray[np.intp]]:
-    """What a metre costs in each cell of a room, infinite elsewhere, as part (h, w) of the map around a box.
+    """Cost per metre (h, w) in the cells of a room, infinite elsewhere, for a crop of the map around a box.
 
-    With it row, col (2,) of the part's upper left cell, which may lie one beyond the map's edge. A door is no wall.
+    The second value is row, col (2,) of the crop's upper left cell, which may be one beyond the map's edge. Other rooms
+    do not count as walls.
     """
     cell_m = topology.frame.resolution_m
     margin = math.ceil(CLEAR_M / cell_m)
@@ -175,10 +176,10 @@ def weights(topology: TopologicalMap, room: int, box: tuple[slice, ...]) -> tupl
 
 
 def links(number: NDArray[np.int32], weight: Floats) -> sparse.csr_array[Any]:
-    """Steps between neighbouring cells (cells, cells) with what they cost, each pair once.
+    """Costs of steps between neighbouring cells as a sparse matrix (cells, cells), each pair once.
 
-    `number` (h, w) counts the cells and is -1 elsewhere, `weight` (h, w) is what a cell's length costs in each. Half of
-    a step lies in either cell. A diagonal step needs all four cells of its square.
+    `number` (h, w) numbers the cells and is -1 elsewhere, `weight` (h, w) is the cost per cell length. Half of a step
+    is in either cell. A diagonal step needs all four cells of its square.
     """
     own = number >= 0
     square = own[:-1, :-1] & own[1:, 1:] & own[:-1, 1:] & own[1:, :-1]
@@ -196,6 +197,6 @@ def links(number: NDArray[np.int32], weight: Floats) -> sparse.csr_array[Any]:
 
 
 def _cell(place: Floats) -> Cell:
-    """The cell that a place (2,) as row, col is in."""
+    """The cell that contains a point (2,) given as row, col."""
     row, col = np.rint(place).astype(int).tolist()
     return row, col

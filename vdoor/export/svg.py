@@ -1,4 +1,4 @@
-"""SVG: a picture of the rooms and doors, to look at or to print."""
+"""SVG: a picture of the rooms and doors, for viewing or printing."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ from vdoor.viz.rerun import style
 
 LONGEST_PX = 1000
 MARGIN = 0.03
-"""Of the longer side."""
+"""Margin as a fraction of the longer side."""
 TEXT = {"text-anchor": "middle", "dominant-baseline": "central", "font-family": "sans-serif"}
 
 
 def to_svg(topology: TopologicalMap) -> str:
-    """Rooms in their colours with id and area, doors as lines with ids; each tells its sizes under the pointer.
+    """Rooms in their colours with id and area, doors as lines with ids; each has a tooltip with its size.
 
-    Drawn as the map's image stands, in metres from its upper left corner, however the map frame lies. Elements are
-    called `room-1`, `door-1`, and so on.
+    Drawn in the orientation of the map's image, in metres from its upper left corner, whatever the map frame is.
+    Element ids are `room-1`, `door-1`, and so on.
     """
     refuse_not_finite(topology)
     left, top, width, height = _extent_m(topology)
@@ -55,18 +55,18 @@ def _add_room(group: ET.Element, topology: TopologicalMap, room: Room, longest: 
 
 
 def _add_name(group: ET.Element, topology: TopologicalMap, room: Room, longest: float) -> None:
-    """Id, or name and id, and area in the middle of the room, no larger than it can hold."""
+    """Id, or name and id, and area as text in the middle of the room, small enough to fit."""
     size = min(longest / 40, math.sqrt(room.area_m2) / 4)
     ((x, y),) = _drawn(topology, (room.centre_m,)).tolist()
     area = f"{room.area_m2:.1f} m²"
     first, second = (room.name, f"{room.id}: {area}") if room.name else (str(room.id), area)
     for text, scale, below in ((first, 8 / max(8, len(first)), -0.4), (second, 0.6, 0.5)):
-        look = TEXT | {"font-size": _text(scale * size), "pointer-events": "none"}
-        ET.SubElement(group, "text", _place(x, y + below * size) | look).text = text
+        font = TEXT | {"font-size": _text(scale * size), "pointer-events": "none"}
+        ET.SubElement(group, "text", _place(x, y + below * size) | font).text = text
 
 
 def _add_door(group: ET.Element, topology: TopologicalMap, door: Door, longest: float) -> None:
-    """The door's line, and its id beside the line's middle, at the side towards the top or the left."""
+    """The door's line, and its id beside the line's middle, on the side towards the top or the left."""
     (x1, y1), (x2, y2) = _drawn(topology, line_m(topology, door)).tolist()
     colour = _rgb(style.KEPT)
     about = ET.SubElement(group, "g", id=f"door-{door.id}")
@@ -81,8 +81,8 @@ def _add_door(group: ET.Element, topology: TopologicalMap, door: Door, longest: 
     middle = _place((x1 + x2) / 2 + right, (y1 + y2) / 2 + down)
     ET.SubElement(about, "text", middle | TEXT | {"font-size": _text(longest / 70), "fill": colour}).text = str(door.id)
     one, other = door.rooms
-    told = f"door {door.id}: {door.width_m:.2f} m, {door.kind}, rooms {one} and {other}"
-    ET.SubElement(about, "title").text = told
+    tip = f"door {door.id}: {door.width_m:.2f} m, {door.kind}, rooms {one} and {other}"
+    ET.SubElement(about, "title").text = tip
 
 
 def _called(room: Room) -> str:
@@ -90,7 +90,7 @@ def _called(room: Room) -> str:
 
 
 def _extent_m(topology: TopologicalMap) -> tuple[float, float, float, float]:
-    """Left, top, width and height of what has rooms, and a margin."""
+    """Left, top, width and height of the bounding box of all rooms, with a margin."""
     cells = np.argwhere(topology.labels)
     top_left, size = cells.min(axis=0), np.ptp(cells, axis=0) + 1
     margin = MARGIN * size.max()
@@ -100,7 +100,7 @@ def _extent_m(topology: TopologicalMap) -> tuple[float, float, float, float]:
 
 
 def _drawn(topology: TopologicalMap, points_m: tuple[Point, ...]) -> NDArray[np.float64]:
-    """Points of the map frame as x to the right and y down (k, 2), metres from the image's upper left corner."""
+    """Points of the map frame as (k, 2), x right and y down, in metres from the image's upper left corner."""
     row_col = topology.frame.cell_from_world(np.array(points_m)) + 0.5
     return np.asarray(row_col[:, ::-1] * topology.frame.resolution_m)
 
@@ -110,7 +110,7 @@ def _place(x: float, y: float) -> dict[str, str]:
 
 
 def _text(number: float) -> str:
-    """A number to a tenth of a millimetre, without idle zeros."""
+    """A number to a tenth of a millimetre, without trailing zeros."""
     return f"{number:.4f}".rstrip("0").rstrip(".")
 
 

@@ -1,4 +1,4 @@
-"""Virtual walls that shut doors, as robot vacuums take them."""
+"""Virtual walls that close doors, in the format of robot vacuums with Valetudo."""
 
 from __future__ import annotations
 
@@ -16,20 +16,20 @@ CM_PER_M = 100
 def to_virtual_walls(topology: TopologicalMap, rooms: Sequence[int] = (), *, own_origin_cm: Point | None = None) -> str:
     """Valetudo's virtual restrictions as JSON: a wall across each door, in whole centimetres, y down.
 
-    With `rooms` only doors that lead out of them are shut, which keeps the robot in: doors between two of them stay
-    open. `own_origin_cm` says where the lower left corner of the map's image lies in the robot's own frame, in place of
-    what the map itself knows of it, as those made of Valetudo's do; where neither does, points count from the image's
+    With `rooms`, only doors that lead out of them are closed, which keeps the robot in; doors between two of them stay
+    open. `own_origin_cm` is the position of the lower left corner of the map's image in the robot's own frame. By
+    default it is taken from the map, if it was read from a Valetudo map; otherwise points are relative to the image's
     upper left corner. Sending the JSON to the robot (PUT to CombinedVirtualRestrictionsCapability) replaces all walls
     and zones it has.
 
-    Raises `SettingError` for a room that is not there.
+    Raises `SettingError` for an unknown room.
     """
     refuse_not_finite(topology)
     check_rooms(topology, rooms)
     corner_cm = (0.0, topology.frame.height * topology.frame.resolution_m * CM_PER_M)
     origin_cm = own_origin_cm or topology.own_origin_cm or corner_cm
-    shut = [door for door in topology.doors if not rooms or len(set(door.rooms) & set(rooms)) == 1]
-    walls = [{"points": _points(topology, door, origin_cm)} for door in shut]
+    closed = [door for door in topology.doors if not rooms or len(set(door.rooms) & set(rooms)) == 1]
+    walls = [{"points": _points(topology, door, origin_cm)} for door in closed]
     return json.dumps({"virtualWalls": walls, "restrictedZones": []}, indent=1) + "\n"
 
 

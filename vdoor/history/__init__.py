@@ -1,4 +1,4 @@
-"""A recorded run in memory: each stage's record, and the search as numbers and packed strings."""
+"""A recorded run in memory: the record of each stage, and the search as numbers and packed bit strings."""
 
 from __future__ import annotations
 
@@ -27,23 +27,23 @@ from vdoor.topology import TopologicalMap
 REFERENCES = tuple(
     (f"{record.topic}.{name}", spec) for record in RECORDS for name, (spec, _) in specs(record).items() if spec.of
 )
-"""Columns that number the rows of a table."""
+"""Columns whose values are row numbers of a table."""
 
 
 __all__ = ["SEARCH", "STAGES", "History", "Recorded", "RunRecords"]
 
 
 class Recorded(Protocol):
-    """A recording that is read as it is iterated over."""
+    """A recording that is read during iteration."""
 
     @property
     def path(self) -> Path:
-        """Where it lies."""
+        """Path of the file."""
         ...
 
     @property
     def info(self) -> RunInfo:
-        """What run it is of."""
+        """Information on the recorded run."""
         ...
 
     def __iter__(self) -> Iterator[tuple[int, Record]]:
@@ -53,18 +53,18 @@ class Recorded(Protocol):
 
 @dataclass(frozen=True, kw_only=True)
 class History(RunRecords):
-    """A run as far as it was recorded."""
+    """All that a recording contains of a run."""
 
     file: Path
     info: RunInfo
     method: AnyPipeline
     """The method with the settings of this run."""
     damage: str = ""
-    """What ended the recording before its end; empty where it is whole."""
+    """Why the recording ends early; empty if it is complete."""
 
     @classmethod
     def read(cls, recording: Recorded) -> History:
-        """All of a recording that is whole; `RecordingError` where nothing is, or its records do not fit together."""
+        """Intact part of a recording; `RecordingError` if it has no map or its records do not fit together."""
         pipeline = recorded(recording.info)
         history = cls(file=recording.path, info=recording.info, method=pipeline)
         damage = ""
@@ -89,15 +89,15 @@ class History(RunRecords):
 
     @property
     def cost(self) -> Cost:
-        """What a choice of doors costs; `RecordingError` for a run without such a choice."""
+        """Cost function of the search; `RecordingError` for a run without a search."""
         return self.method.cost if isinstance(self.method, VoronoiDoorsPipeline) else self.pipeline.cost
 
     def terms(self, generation: int) -> tuple[Term, ...]:
-        """What the cost of a generation's best string is made of, with the weights for this map."""
+        """Terms of the cost of a generation's best string, with the weights for this map."""
         return self.problem.terms(self.search[generation].removed)
 
     def check(self) -> None:
-        """Raise `RecordingError` where a column counts rows that are not there, or two frames should be one."""
+        """Raise `RecordingError` if a column refers to missing rows, or if frames differ that must be equal."""
         for column, spec in REFERENCES:
             values, rows = self._column(column), self._column(spec.of)
             if values is None or rows is None:
@@ -126,7 +126,7 @@ class History(RunRecords):
         return values
 
     def stage_of(self, step: int) -> tuple[str, int]:
-        """Stage that a step belongs to, and which of its records; `RecordingError` for a step that is not there."""
+        """Stage that a step belongs to, and the index among its records; `RecordingError` for an unrecorded step."""
         for topic in self.stages:
             count = len(self.search) if topic == SEARCH else 1
             if self.steps[topic] <= step < self.steps[topic] + count:
@@ -141,21 +141,21 @@ class History(RunRecords):
 
     @cached_property
     def problem(self) -> MergeProblem:
-        """What the search worked on."""
+        """The optimisation problem that the search solved."""
         return MergeProblem(self.initial, self.cost, self.scores if self.has(DoorScores) else None)
 
     @cached_property
     def edge_of_door(self) -> dict[int, int]:
-        """Edge of the initial map of each door that is one."""
+        """Edge of the initial map by door, for the doors that are edges."""
         return {door: edge for edge, door in enumerate(self.initial.door.tolist())}
 
     @cached_property
     def separating(self) -> frozenset[int]:
-        """Edges that part two rooms of the working grid in the end."""
+        """Edges that separate two rooms of the working grid in the final map."""
         _, rows = merged(self.problem, self.search[-1].removed)
         return frozenset(edge for edge, _, _ in rows)
 
 
 def _each_in_order(values: NDArray[np.int32], count: int) -> bool:
-    """Whether values (k,) ascend from 0 to `count` - 1 and leave none out."""
+    """Whether the sorted values (k,) run from 0 to `count` - 1 without a gap."""
     return bool((np.diff(values, prepend=-1, append=count) <= 1).all() and (np.diff(values) >= 0).all())

@@ -1,4 +1,4 @@
-"""Where a finished map comes from: version, settings and files of its run, and the records of its stages."""
+"""Provenance of a finished map: version, settings and files of its run, and the records of its stages."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from vdoor.topology import TopologicalMap
 
 @dataclass(frozen=True)
 class Provenance:
-    """What the run was, and the records of its stages as far as they are known."""
+    """Information on a run, and those records of its stages that are known."""
 
     facts: Mapping[str, str]
     """Version, preset and seed."""
@@ -27,26 +27,26 @@ class Provenance:
 
     @classmethod
     def of(cls, info: RunInfo) -> Provenance:
-        """Of a run that is recorded or about to begin; its records are still to come."""
+        """Provenance of a run, without records yet."""
         files = tuple((name, hashlib.sha256(data).hexdigest()) for name, data in info.source.files)
         return cls(facts_of(info.version, info.preset, info.seed), info.settings, files)
 
     @property
     def name(self) -> str:
-        """What the map is called: its first file."""
+        """Name of the map: its first file."""
         return self.files[0][0] if self.files else "map"
 
     @property
     def records(self) -> tuple[Record, ...]:
-        """Of the stages before the final map, in the order of the method, the search left out."""
+        """Records of the stages before the final map, in the order of the method, without the search."""
         return tuple(record for record in self.run.records.values() if not isinstance(record, TopologicalMap))
 
 
 def value_text(value: object) -> str:
-    """A setting's value as a settings file has it."""
+    """Value of a setting as text for display; strings without quotes."""
     return value if isinstance(value, str) else json.dumps(value)
 
 
 def facts_of(version: object, preset: object, seed: object) -> dict[str, str]:
-    """What a run is named by: version, preset and seed."""
+    """Version, preset and seed of a run."""
     return {"vdoor": str(version), "preset": str(preset), "seed": str(seed)}

@@ -1,4 +1,4 @@
-"""The records of one run, collected as they come: by a recording that is read, or by the run itself."""
+"""The records of one run, collected one by one from a recording or from the run itself."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ RECORD_OF = {record.topic: record for record in RECORDS}
 
 
 class ConvergenceHistory(Sequence[Generation]):
-    """The generations of a search, held as numbers and packed strings; each is made when asked for."""
+    """The generations of a search, stored as numbers and packed bit strings; each record is built on access."""
 
     NUMBERS = tuple(name for name in specs(Generation) if name != "removed")
 
@@ -45,7 +45,7 @@ class ConvergenceHistory(Sequence[Generation]):
         self.edges = 0
 
     def add(self, generation: Generation) -> None:
-        """Take one more, which must choose among as many doors as those before."""
+        """Append a generation; `RecordingError` if its number of doors differs from that of the others."""
         found = len(generation.removed)
         if len(self) and found != self.edges:
             raise RecordingError(f"generation.removed: wanted {self.edges} doors in each, found {found}")
@@ -66,11 +66,11 @@ class ConvergenceHistory(Sequence[Generation]):
         return Generation(**values, removed=removed)
 
     def numbers(self, name: str) -> NDArray[np.float64]:
-        """One of the numbers (g,) of every generation, by its field's name."""
+        """Values (g,) of a numeric field, one per generation."""
         return self._rows[:, self.NUMBERS.index(name)].copy()
 
     def choices(self, edge: int) -> NDArray[np.bool_]:
-        """Whether the best string (g,) of every generation removes one edge."""
+        """Whether the best string of each generation removes an edge: flags (g,)."""
         return np.asarray(self._strings[:, edge // 8] >> (7 - edge % 8) & 1, np.bool_)
 
     @property
@@ -84,21 +84,21 @@ class ConvergenceHistory(Sequence[Generation]):
 
 @dataclass(frozen=True, kw_only=True)
 class RunRecords:
-    """Each stage's record by its topic, and the search as numbers and packed strings. A sink, and an `Emit`."""
+    """Record of each stage by topic, and the search as numbers and packed bit strings. A sink and an `Emit`."""
 
     records: dict[str, Record] = field(default_factory=dict)
-    """Every stage's record by its topic, but for the search."""
+    """Record of each stage by topic, except the search."""
     steps: dict[str, int] = field(default_factory=dict)
-    """Step of every stage, of the first generation for the search."""
+    """Step of each stage; for the search, that of the first generation."""
     search: ConvergenceHistory = field(default_factory=ConvergenceHistory)
 
     def __call__(self, record: R, /) -> R:
-        """Take the next record of a run, and return it."""
+        """Add the next record of a run, and return it."""
         self.write(len(self.records) + len(self.search), record)
         return record
 
     def write(self, step: int, record: Record) -> None:
-        """Take one more record; `RecordingError` for a second one of a stage that has but one."""
+        """Add a record; `RecordingError` for a second record of a stage other than the search."""
         if record.topic in self.records:
             raise RecordingError(f"step {step}: wanted one record of {record.topic}, found a second")
         self.steps.setdefault(record.topic, step)
@@ -116,7 +116,7 @@ class RunRecords:
         return tuple(topic for topic in STAGES if topic in self.steps)
 
     def get(self, record: type[R]) -> R:
-        """One stage's record; `RecordingError` where the run ends before it."""
+        """Record of a stage; `RecordingError` if it was not recorded."""
         found = self.records.get(record.topic)
         if not isinstance(found, record):
             raise RecordingError(f"stage {record.topic}: not recorded, the last one is {self.stages[-1]}")
@@ -128,80 +128,80 @@ class RunRecords:
 
     @property
     def input(self) -> OccupancyGrid:
-        """The map as read."""
+        """Input map."""
         return self.get(OccupancyGrid)
 
     @property
     def simplified(self) -> SimplifiedGrid:
-        """Section II.A."""
+        """Simplified grid (II.A)."""
         return self.get(SimplifiedGrid)
 
     @property
     def path(self) -> BoundaryPath:
-        """Section II.B."""
+        """Boundary path (II.B)."""
         return self.get(BoundaryPath)
 
     @property
     def curvature(self) -> Curvature:
-        """Eq. 1 to 5."""
+        """Curvature of each sample (eq. 1 to 5)."""
         return self.get(Curvature)
 
     @property
     def candidates(self) -> Candidates:
-        """Eq. 6."""
+        """Candidates for corners, convex or concave (eq. 6)."""
         return self.get(Candidates)
 
     @property
     def corners(self) -> Corners:
-        """Local maxima of curvature."""
+        """Corners: candidates with locally maximal curvature (II.B)."""
         return self.get(Corners)
 
     @property
     def doors(self) -> VirtualDoors:
-        """Section II.C."""
+        """Virtual doors (II.C)."""
         return self.get(VirtualDoors)
 
     @property
     def scores(self) -> DoorScores:
-        """What speaks for and against each door, where that was asked."""
+        """Door scores, for runs that score doors."""
         return self.get(DoorScores)
 
     @property
     def initial(self) -> InitialMap:
-        """The map before the search."""
+        """Initial map (II.C), before the search."""
         return self.get(InitialMap)
 
     @property
     def skeleton(self) -> Skeleton:
-        """Of the baseline `voronoi-doors`, as the next."""
+        """Skeleton of the free space, of the baseline `voronoi-doors`."""
         return self.get(Skeleton)
 
     @property
     def critical_lines(self) -> CriticalLines:
-        """Narrow places of the skeleton."""
+        """Narrow places of the skeleton, of the baseline `voronoi-doors`."""
         return self.get(CriticalLines)
 
     @property
     def eroded(self) -> ErodedSpace:
-        """Of the baseline `eroded-space`, as the next."""
+        """Eroded free space, of the baseline `eroded-space`."""
         return self.get(ErodedSpace)
 
     @property
     def grown(self) -> GrownRooms:
-        """Rooms that the cores grew to."""
+        """Rooms grown back from the cores, of the baseline `eroded-space`."""
         return self.get(GrownRooms)
 
     @property
     def certificate(self) -> Certificate:
-        """What was proven of the search's choice, where that was asked."""
+        """Proof of optimality or gap, for runs that certify the search."""
         return self.get(Certificate)
 
     @property
     def edits(self) -> Edits:
-        """What came of each edit, where there were any."""
+        """Result of each edit, for runs with edits."""
         return self.get(Edits)
 
     @property
     def topology(self) -> TopologicalMap:
-        """The result."""
+        """Final topological map."""
         return self.get(TopologicalMap)

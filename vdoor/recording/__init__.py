@@ -1,1 +1,1 @@
-"""Recordings of runs: written as MCAP while the method runs, and read back to replay and compare."""
+"""Recordings of runs: written as MCAP during the run, read back for replay and comparison."""

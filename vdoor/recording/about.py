@@ -1,4 +1,4 @@
-"""What a recording contains about itself: the run's settings and source as text, and the map's files, packed."""
+"""Run information in a recording: settings and source as text, and the map's files, compressed."""
 
 from __future__ import annotations
 
@@ -12,28 +12,28 @@ from vdoor.errors import RecordingError
 from vdoor.grid import Source
 
 CHECKSUM = "checksum"
-"""Entry with the SHA-256 of all others: the file's own checksum comes too late for who reads only the settings."""
+"""Entry with the SHA-256 of all others, as the file's own checksum comes too late for readers of the settings only."""
 LOST = RunInfo(version="unknown", preset="lost", seed=-1, settings={})
-"""What is said of a run that was recovered without its settings."""
+"""Information on a run that was recovered without its settings."""
 SCHEMA = "1"
-"""Raised when a recording of before can no longer be read; a record's own fields are checked one by one beside it."""
+"""Increased when older recordings can no longer be read; the fields of each record are checked separately."""
 
 
 ENDING = ".zst"
 LEVEL = 9
-"""More packs these maps hardly smaller."""
+"""Compression level; higher ones hardly make these maps smaller."""
 UNPACKED_TO = 2**28
-"""Bytes of all packed files of a recording together, unpacked; what goes beyond that is stored as it is."""
+"""Maximum total size in bytes, uncompressed, of a recording's compressed files; the rest is stored uncompressed."""
 
 
 def digest(source: Source) -> str:
-    """SHA-256 of a source: of the lines ``digest  name`` of its files, as ``sha256sum FILES | sha256sum`` prints it."""
+    """SHA-256 of the lines ``digest  name`` of a source's files, as ``sha256sum FILES | sha256sum`` prints it."""
     lines = "".join(f"{_sha256(data)}  {name}\n" for name, data in source.files)
     return _sha256(lines.encode())
 
 
 def to_text(info: RunInfo) -> dict[str, str]:
-    """All of a run's information but the bytes of its source files, as names and texts."""
+    """Run information as texts by name, without the bytes of the source files."""
     text = {
         "schema": SCHEMA,
         "version": info.version,
@@ -49,10 +49,10 @@ def to_text(info: RunInfo) -> dict[str, str]:
 
 
 def from_text(text: Mapping[str, str], attachments: Sequence[Attached]) -> RunInfo:
-    """Information on a run from its texts and the source files that were attached to it.
+    """Information on a run from its texts and the attached source files.
 
-    Raises `RecordingError` where the schema is another, a text is missing, damaged or no such text, or a file is not
-    the one that was recorded.
+    Raises `RecordingError` if the schema is another, if a text is missing, damaged or invalid, or if a file is not the
+    one that was recorded.
     """
     names, files = source_names(text), files_of(attachments)
     try:
@@ -67,7 +67,7 @@ def from_text(text: Mapping[str, str], attachments: Sequence[Attached]) -> RunIn
     except KeyError as error:
         raise RecordingError(f"recording metadata: wanted an entry {error}, found {', '.join(text)}") from error
     except (TypeError, ValueError, RecursionError) as error:
-        raise RecordingError(f"recording metadata: wanted the texts of a run, found others ({error})") from error
+        raise RecordingError(f"recording metadata: wanted valid texts of a run, found others ({error})") from error
     if [name for name, _ in files] != names or [_sha256(data) for _, data in files] != sums:
         raise RecordingError(
             f"recording attachments: wanted {', '.join(names)} as recorded, found other names or bytes"
@@ -76,9 +76,9 @@ def from_text(text: Mapping[str, str], attachments: Sequence[Attached]) -> RunIn
 
 
 def salvaged(text: Mapping[str, str] | None, attachments: Sequence[Attached]) -> tuple[RunInfo, list[str]]:
-    """What is whole of the information on a run, and what is not, one line each.
+    """Intact part of the information on a run, and its losses, one line each.
 
-    Raises `RecordingError` where it is of another schema.
+    Raises `RecordingError` if the schema is another.
     """
     if text is None or text.get(CHECKSUM) != _checksum(text):
         return LOST, ["preset, settings, seed and source files of the run"]
@@ -91,9 +91,9 @@ def salvaged(text: Mapping[str, str] | None, attachments: Sequence[Attached]) ->
 
 
 def source_names(text: Mapping[str, str]) -> list[str]:
-    """Names of the source files that were stored with a recording, in order.
+    """Names of the source files that are stored in a recording, in order.
 
-    Raises `RecordingError` where the texts are damaged or of another schema.
+    Raises `RecordingError` if the texts are damaged or the schema is another.
     """
     is_ours = text.get("schema") == SCHEMA
     if (CHECKSUM in text or is_ours) and text.get(CHECKSUM) != _checksum(text):
@@ -127,7 +127,7 @@ PACKED, PLAIN = "application/zstd", "application/octet-stream"
 
 
 class Attached(NamedTuple):
-    """One attachment."""
+    """One attachment of an MCAP file."""
 
     name: str
     media_type: str
@@ -135,7 +135,7 @@ class Attached(NamedTuple):
 
 
 def attached(files: Iterable[tuple[str, bytes]]) -> Iterator[Attached]:
-    """Files by name as they are stored; equal files give equal bytes."""
+    """Attachments that store the given files; equal files give equal bytes."""
     import zstandard  # noqa: PLC0415  # only recordings need it
 
     left = UNPACKED_TO
@@ -148,9 +148,9 @@ def attached(files: Iterable[tuple[str, bytes]]) -> Iterator[Attached]:
 
 
 def files_of(attachments: Iterable[Attached]) -> list[tuple[str, bytes]]:
-    """The files by name; recordings of before hold all of them as they are.
+    """Files as pairs of name and bytes; older recordings store all of them uncompressed.
 
-    Raises `RecordingError` where one is damaged, or claims to be larger than those that are stored packed.
+    Raises `RecordingError` if a file is damaged or claims to be larger than compressed files may be.
     """
     files, left = [], UNPACKED_TO
     for name, media_type, data in attachments:
@@ -164,14 +164,14 @@ def files_of(attachments: Iterable[Attached]) -> list[tuple[str, bytes]]:
 
 
 def _unpacked(name: str, data: bytes, most: int) -> bytes:
-    """Content of one packed file, for which room is made once its size is known to be allowed."""
+    """Content of one compressed file; its size is checked before memory is allocated."""
     import zstandard  # noqa: PLC0415  # only recordings need it
 
     try:
         size = zstandard.frame_content_size(data)
         if not 0 <= size <= most:
-            found = f"one that claims {size}" if size >= 0 else "one that does not say"
+            found = f"one that claims {size}" if size >= 0 else "one of unknown size"
             raise RecordingError(f"attachment {name}: wanted at most {most} bytes unpacked, found {found}")
         return zstandard.ZstdDecompressor().decompress(data, allow_extra_data=False)
     except zstandard.ZstdError as error:
-        raise RecordingError(f"attachment {name}: wanted bytes packed with zstd, found others ({error})") from error
+        raise RecordingError(f"attachment {name}: wanted bytes compressed with zstd, found others ({error})") from error

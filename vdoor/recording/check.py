@@ -1,4 +1,4 @@
-"""Whether a recording is whole: every record, every stage, every checksum; and what it holds, as text and tables."""
+"""Integrity check of a recording (every record, stage and checksum), and its contents as text and tables."""
 
 from __future__ import annotations
 
@@ -20,24 +20,24 @@ from vdoor.recording.indexes import index_damage
 from vdoor.recording.mcap import naming, read_recording
 
 Emits = Callable[[RunInfo], Sequence[type[Record]]]
-"""Which records a run emits."""
+"""Record types that a run emits, from its settings."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Health:
-    """What was found in a recording."""
+    """Result of checking a recording."""
 
     path: Path
     info: RunInfo | None
-    """None where not even the settings can be read."""
+    """None if the settings cannot be read."""
     records: dict[str, int]
-    """Records that came whole, by topic."""
+    """Number of complete records, by topic."""
     damage: tuple[str, ...]
-    """What is wrong with the file, one line each."""
+    """Errors in the file, one line each."""
     missing: tuple[str, ...]
-    """What a run to its end would have recorded beside that; nothing is known of it where `info` is None."""
+    """Records that a finished run would also contain; empty if `info` is None."""
     ended_in: str
-    """Topic of the last record that came whole, empty if there is none."""
+    """Topic of the last complete record, empty if there is none."""
 
     @property
     def whole(self) -> bool:
@@ -46,9 +46,9 @@ class Health:
 
 
 def check(path: Path, *, types: Sequence[type[Record]], emits: Emits | None = None) -> Health:
-    """Health of a recording of a run that emits records of `types`, in this order; damage is found, never raised.
+    """Health of a recording of a run that emits records of `types`, in this order; damage is reported, never raised.
 
-    Raises `RecordingError` where there is no such file or it cannot be opened.
+    Raises `RecordingError` if the file does not exist or cannot be opened.
     """
     with naming(path):
         path.open("rb").close()
@@ -82,20 +82,20 @@ def check(path: Path, *, types: Sequence[type[Record]], emits: Emits | None = No
 def wanted(
     info: RunInfo, steps: Sequence[tuple[int, str]], *, types: Sequence[type[Record]], emits: Emits | None
 ) -> list[str]:
-    """Topics that a run emits, and those it has beside, in the order of `types`."""
-    there = {topic for _, topic in steps} | {record.topic for record in (emits(info) if emits else types)}
-    return [record.topic for record in types if record.topic in there]
+    """Topics that a run should emit, plus any others that were found, in the order of `types`."""
+    topics = {topic for _, topic in steps} | {record.topic for record in (emits(info) if emits else types)}
+    return [record.topic for record in types if record.topic in topics]
 
 
 def lost(steps: Sequence[tuple[int, str]], order: Sequence[str]) -> Iterator[str]:
-    """What is missing among steps with their topics: stages without a record, and records that left a gap."""
-    there = {topic for _, topic in steps}
+    """Stages without a record, and gaps in the step numbers, one line each; `steps` are pairs of step and topic."""
+    present = {topic for _, topic in steps}
     for topic in order:
-        if topic not in there:
+        if topic not in present:
             yield f"{topic}: no record"
     for (before, topic), (after, following) in itertools.pairwise([(-1, ""), *steps]):
         skipped = order[order.index(topic) + 1 if topic else 0 : order.index(following)]
-        gap = after - before - 1 - len([stage for stage in skipped if stage not in there])
+        gap = after - before - 1 - len([stage for stage in skipped if stage not in present])
         if gap > 0:
             yield f"{gap} record{'s' * (gap > 1)} between step {before} and step {after} ({following})"
 
@@ -103,11 +103,11 @@ def lost(steps: Sequence[tuple[int, str]], order: Sequence[str]) -> Iterator[str
 def _out_of_order(steps: Sequence[tuple[int, str]], order: Sequence[str]) -> Iterator[str]:
     for (_, before), (step, topic) in itertools.pairwise(steps):
         if order.index(topic) < order.index(before):
-            yield f"step {step}: wanted no {topic} after {before}, found one"
+            yield f"step {step}: wanted {topic} before {before}, found it after"
 
 
 def run_table(run: RunInfo) -> dict[str, Any]:
-    """What a run was, without the bytes of its source files."""
+    """Version, preset, seed, settings and map of a run; source files by name and size only."""
     return {
         "version": run.version,
         "preset": run.preset,
@@ -122,36 +122,36 @@ def run_table(run: RunInfo) -> dict[str, Any]:
 
 
 def health_table(health: Health) -> dict[str, Any]:
-    """How a recording fares, without what the run was."""
+    """Health of a recording, without the run information."""
     fields = {field.name: getattr(health, field.name) for field in dataclasses.fields(health) if field.name != "info"}
     return {"whole": health.whole, **fields}
 
 
 def run_lines(run: RunInfo, changed: Sequence[Setting] | None) -> Iterator[str]:
-    """What a run was: version, map, and the settings that are not the preset's (None: there is no such preset)."""
+    """Version, map, preset, seed and the settings changed from the preset (None if the preset is unknown)."""
     yield f"version   vdoor {run.version}"
     files = ", ".join(f"{name} ({len(data)} bytes)" for name, data in run.source.files)
     options = "".join(f", {name} {value}" for name, value in run.source.options.items())
-    yield f"map       {files or 'no files, the grid alone'}{options}"
+    yield f"map       {files or 'no files, only the grid'}{options}"
     yield f"sha256    {about.digest(run.source)}"
-    yield f"preset    {run.preset}{'' if changed is not None else ' (not known here)'}"
+    yield f"preset    {run.preset}{'' if changed is not None else ' (unknown to this version)'}"
     yield f"seed      {run.seed}"
     for setting in changed or ():
         yield f"setting   {setting_line(setting, ('preset', 'here'))}"
 
 
 def health_lines(health: Health) -> Iterator[str]:
-    """How a recording fares: its stages, what is wrong, what is missing."""
+    """Health of a recording: its stages, damage and missing records."""
     for topic, count in health.records.items():
         yield f"stage     {topic:12s} {count:6d}"
     if health.whole:
-        yield "whole     every stage is there, every checksum and index is right"
+        yield "whole     every stage is present, every checksum and index is correct"
     for problem in health.damage:
         yield f"damage    {problem}"
     before = " before the damage" if health.damage else ""
     for absent in health.missing:
         yield f"missing   {absent}{before}"
     if not health.whole:
-        yield f"ends in   {health.ended_in or 'no stage at all'}"
+        yield f"ends in   {health.ended_in or 'no stage'}"
     if health.damage:
-        yield "hint      vdoor recover writes a whole recording of what is left"
+        yield "hint      vdoor recover saves what is left as a valid recording"

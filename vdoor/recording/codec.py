@@ -1,8 +1,8 @@
 """Records as ROS 2 messages and back, bit for bit, derived from their specs alone.
 
-A record of topic ``corners`` becomes one message on each ``/vdoor/corners/<part>``. Its parts are every raster and
-every run of bits by its field's name, every table by the table's name, and ``values`` with all numbers and texts and
-the frame.
+A record of topic ``corners`` becomes one message on each ``/vdoor/corners/<part>``. Its parts are each raster and
+each array of bits, named after the field, each table, named after the table, and ``values`` with all numbers, texts
+and the frame.
 """
 
 from __future__ import annotations
@@ -29,20 +29,20 @@ class Part(Protocol):
 
     @property
     def message(self) -> str:
-        """Its ROS type."""
+        """ROS type of the message."""
         ...
 
     def encode(self, record: Record, time_ns: int) -> Any:
-        """Message of a record."""
+        """Message that holds this part of a record."""
         ...
 
     def decode(self, message: Any) -> Mapping[str, Any]:
-        """Fields that were in a message; `RecordingError` where it does not fit the record's specs."""
+        """Field values from a message; `RecordingError` if it does not fit the record's specs."""
         ...
 
 
 def parts(record: type[Record]) -> Mapping[str, Part]:
-    """Messages that a type of record becomes, by the last word of their topic."""
+    """Parts of a record type, by the last word of their topic."""
     if record not in _PARTS:
         _PARTS[record] = _parts(record)
     return _PARTS[record]
@@ -55,10 +55,10 @@ def encode(record: Record, *, time_ns: int) -> Iterator[tuple[str, str, memoryvi
 
 
 def decode(record: type[R], messages: Mapping[str, bytes | memoryview]) -> R:
-    """Record whose messages are given as CDR bytes by the names of its parts.
+    """Record from its messages, given as CDR bytes by part name.
 
-    Raises `RecordingError`, naming the place, where a part is missing, unknown or not what the record's specs say;
-    nothing is allocated on the word of a size that the bytes do not bear out.
+    Raises `RecordingError` with the place in the record if a part is missing, unknown or does not fit the record's
+    specs. Sizes are checked against the number of bytes before anything is allocated.
     """
     known = parts(record)
     if messages.keys() != known.keys():
@@ -104,7 +104,7 @@ def _raster(place: str, field: str, *, spec: Spec, dtype: np.dtype[Any] | None) 
 
 
 def _check_frame(record: type[Record], fields: Mapping[str, Any]) -> None:
-    """Raise `RecordingError` where a raster is not of the size that the record's frame gives."""
+    """Raise `RecordingError` if a raster does not have the size of the record's frame."""
     for name, (spec, _) in specs(record).items():
         if spec.kind not in RASTERS or "frame" not in fields:
             continue

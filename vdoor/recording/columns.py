@@ -1,4 +1,4 @@
-"""Tables, bits and numbers as messages: a PointCloud2 a table, a MultiArray for the rest."""
+"""Tables, bits and numbers as messages: a PointCloud2 per table, a MultiArray for bits and one for numbers."""
 
 from __future__ import annotations
 
@@ -25,16 +25,16 @@ POINT_FIELD_NAME = {UINT8: "UINT8", INT32: "INT32", FLOAT32: "FLOAT32", FLOAT64:
 VIEWERS = ("x", "y", "z")
 FRAME: dict[str, type] = {field.name: get_type_hints(Frame)[field.name] for field in dataclasses.fields(Frame)}
 FAR = 1e18
-"""Sizes and places up to here leave all points of a map within the float32 that viewers are given."""
+"""Largest absolute value of a frame's numbers, so that all points of a map fit the float32 given to viewers."""
 WHOLE_TO = 2**53
-"""Integers up to here are exact as float64."""
-MOST_TOLD = 4
-"""Entries of one column that are told one by one."""
+"""Largest integer that is exact as float64."""
+LISTED_TO = 4
+"""Longer vectors are abbreviated in lists of entries."""
 
 
 @dataclass(frozen=True)
 class Table:
-    """All columns of one table as a PointCloud2: x, y, z for viewers, then every column exactly."""
+    """All columns of one table as a PointCloud2: x, y, z for viewers, then every column with its exact values."""
 
     place: str
     record: type[Record]
@@ -44,22 +44,22 @@ class Table:
 
     @cached_property
     def columns(self) -> tuple[str, ...]:
-        """Names of the record's fields in this table."""
+        """Names of the record's fields that are columns of this table."""
         return tables(self.record)[self.table]
 
     @cached_property
     def layout(self) -> np.dtype[Any]:
-        """One row of the table; a column of pairs has one entry here and two in the message."""
+        """Data type of one row; a column of pairs is one entry here and two in the message."""
         rows: list[Any] = [(name, "<f4") for name in VIEWERS]
         for name in self.columns:
             spec, dtype = specs(self.record)[name]
             assert dtype is not None
             rows.append((name, STORED[dtype], tuple(int(axis) for axis in spec.axes[1:])))
-        return np.dtype(rows, align=True)  # readers in C++ expect every double on its own boundary
+        return np.dtype(rows, align=True)  # C++ readers expect aligned doubles
 
     @cached_property
     def fields(self) -> dict[str, tuple[int, int]]:
-        """Offset and type of each entry of the message by its name: `cell` of shape ``k 2`` is cell_0 and cell_1."""
+        """Offset and type of each entry of the message by name: `cell` of shape ``k 2`` becomes cell_0 and cell_1."""
         found: dict[str, tuple[int, int]] = {}
         for name in self.layout.names or ():
             dtype, offset = self.layout[name], self.layout.fields[name][1]  # type: ignore[index]  # it has fields
@@ -70,7 +70,7 @@ class Table:
         return found
 
     def encode(self, record: Record, time_ns: int) -> Any:
-        """Message whose points lie at the centre of the table's cells, or at 0 where it has none."""
+        """Message whose points are the centres of the table's cells, or 0 if the table has no cells."""
         rows = np.zeros(len(getattr(record, self.columns[0])), self.layout)
         for name in self.columns:
             rows[name] = getattr(record, name)
@@ -96,7 +96,7 @@ class Table:
         )
 
     def decode(self, message: Any) -> dict[str, NDArray[Any]]:
-        """Columns by name; `RecordingError` where names, types or sizes are not those of the record."""
+        """Columns by name; `RecordingError` if names, types or sizes are not those of the record."""
         self._check_fields({field.name: (field.offset, field.datatype) for field in message.fields})
         wanted = (1, self.layout.itemsize, message.width * self.layout.itemsize, message.data.size)
         if (message.height, message.point_step, message.row_step, message.row_step) != wanted or message.is_bigendian:
@@ -128,7 +128,7 @@ class Table:
 
 
 def told(names: Iterable[str]) -> str:
-    """Names of a message's entries; of the many of a long vector the first and the last: feature_0 to feature_38."""
+    """Names of a message's entries as text, long vectors abbreviated: feature_0 to feature_38."""
 
     def vector(numbered: tuple[int, str]) -> tuple[str, int]:
         at, name = numbered
@@ -138,13 +138,13 @@ def told(names: Iterable[str]) -> str:
     parts = []
     for _, group in itertools.groupby(enumerate(names), vector):
         own = [name for _, name in group]
-        parts += own if len(own) <= MOST_TOLD else [f"{own[0]} to {own[-1]}"]
+        parts += own if len(own) <= LISTED_TO else [f"{own[0]} to {own[-1]}"]
     return ", ".join(parts)
 
 
 @dataclass(frozen=True)
 class Bits:
-    """Flags about the rows of another record's table, as a UInt8MultiArray."""
+    """Flags for the rows of another record's table, as a UInt8MultiArray."""
 
     place: str
     field: str
@@ -153,12 +153,12 @@ class Bits:
     message: ClassVar[str] = "std_msgs/msg/UInt8MultiArray"
 
     def encode(self, record: Record, time_ns: int) -> Any:  # noqa: ARG002  # this message has no header
-        """Message, its one dimension named after the other table."""
+        """Message whose one dimension is named after the other table."""
         bits = np.ascontiguousarray(getattr(record, self.field)).view(np.uint8)
         return ros.make(self.message, layout=_layout([(self.axis, bits.size)]), data=bits)
 
     def decode(self, message: Any) -> dict[str, NDArray[np.bool_]]:
-        """Bits by their field's name; `RecordingError` where the message does not hold flags of that axis."""
+        """Bits by their field's name; `RecordingError` if the message does not contain flags along that axis."""
         found = [(dim.label, dim.size) for dim in message.layout.dim]
         if found != [(self.axis, message.data.size)]:
             raise RecordingError(f"{self.place}: wanted {message.data.size} flags along {self.axis}, found {found}")
@@ -170,7 +170,7 @@ class Bits:
 class Values:
     """All numbers and counts of a record and its frame, as a Float64MultiArray with their names as labels.
 
-    Texts follow as labels ``field=text`` without a value, one for each; where a record has none, nothing tells of them.
+    Each text follows as a label ``field=text`` without a value; a record without texts has no such labels.
     """
 
     place: str
@@ -181,7 +181,7 @@ class Values:
     message: ClassVar[str] = "std_msgs/msg/Float64MultiArray"
 
     def encode(self, record: Record, time_ns: int) -> Any:  # noqa: ARG002  # this message has no header
-        """Message; `RecordingError` for an integer that a float64 does not hold."""
+        """Message; `RecordingError` for an integer that is not exact as float64."""
         values = {name: getattr(record, name) for name in self.types}
         if self.has_frame:
             values |= dataclasses.asdict(frame_of(record))
@@ -193,7 +193,7 @@ class Values:
         return ros.make(self.message, layout=_layout([*((name, 1) for name in values), *texts]), data=data)
 
     def decode(self, message: Any) -> dict[str, Any]:
-        """Numbers by name, and `frame`; `RecordingError` where names or types are not those of the record."""
+        """Numbers and texts by name, and `frame`; `RecordingError` if names or types are not those of the record."""
         wanted = self.types | (FRAME if self.has_frame else {})
         names = [dim.label for dim in message.layout.dim]
         names, more = names[: len(wanted)], names[len(wanted) :]
@@ -208,13 +208,13 @@ class Values:
         if not self.has_frame:
             return values | texts
         frame = {name: values.pop(name) for name in FRAME}
-        near = all(abs(value) <= FAR for value in frame.values())  # which no nan is
+        near = all(abs(value) <= FAR for value in frame.values())  # false for nan
         if not (near and frame["resolution_m"] > 0 <= min(frame["height"], frame["width"])):
             raise RecordingError(f"{self.place}: wanted the size and pose of a raster, found {frame}")
         return values | texts | {"frame": Frame(**frame)}
 
     def _texts_of(self, labels: list[str]) -> dict[str, Any]:
-        """Texts by the name of their field, from labels; `RecordingError` for a label of no such field."""
+        """Texts by field name, from the labels; `RecordingError` for a label that names no text field."""
         found: dict[str, tuple[str, ...]] = dict.fromkeys(self.texts, ())
         for label in labels:
             name, _, text = label.partition("=")

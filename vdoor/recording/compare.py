@@ -1,4 +1,4 @@
-"""Two records of one type compared field by field, each within the tolerance that its spec declares."""
+"""Comparison of two records of one type, field by field, each within the tolerance of its spec."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ Value: TypeAlias = Scalar | tuple[Scalar, ...]
 
 @dataclass(frozen=True)
 class Places:
-    """Where the elements of a table lie: cells (k, 2) as row, col, and the same as points (k, 2) in metres."""
+    """Positions of a table's elements: cells (k, 2) as row, col, and the same positions (k, 2) as x, y in metres."""
 
     cells: NDArray[np.float64]
     points_m: NDArray[np.float64]
@@ -27,14 +27,14 @@ class Places:
 
 @dataclass(frozen=True)
 class Worst:
-    """The element of a field that differs most (the first one, where values are names), and where it is."""
+    """The element of a field that differs most (for names, the first that differs), and its position."""
 
     index: tuple[int, ...]
     expected: Value
     found: Value
     _: dataclasses.KW_ONLY
     difference: float | None = None
-    """In `unit`; infinite beside a number that is none, None between names."""
+    """In `unit`; infinite between a number and a nan, None between names."""
     unit: str = ""
     cell: tuple[float, ...] | None = None
     """Row and column in the record's frame."""
@@ -43,11 +43,11 @@ class Worst:
 
 @dataclass(frozen=True, kw_only=True)
 class Difference:
-    """One field in which two records differ, or one table (``corner rows``) that has more rows in one of them."""
+    """One field that differs between two records, or one table (``corner rows``) with different numbers of rows."""
 
     field: str
     count: int
-    """How many elements differ; a row of a column is one element."""
+    """Number of elements that differ; a row of a column is one element."""
     total: int
     worst: Worst
 
@@ -64,9 +64,9 @@ class _Field:
 
     @property
     def values(self) -> tuple[NDArray[Any], NDArray[Any]]:
-        """What it is in the one and in the other."""
+        """Values of the field in both records, as arrays."""
         one, other = getattr(self.expected, self.name), getattr(self.found, self.name)
-        if self.spec.kind == "text":  # none at all stand for as many empty ones
+        if self.spec.kind == "text":  # no texts are compared as empty texts
             rows = max(len(one), len(other))
             one, other = (np.array(texts or ("",) * rows, np.str_) for texts in (one, other))
         return np.asarray(one), np.asarray(other)
@@ -77,7 +77,7 @@ def differences(
 ) -> Iterator[Difference]:
     """Fields that differ by more than their tolerance, in the records' order; equal infinities and nans are equal.
 
-    `elsewhere` says where the elements of other records' tables lie, for the bits that are about them.
+    `elsewhere` holds the positions of the elements of other records' tables, for the bits that refer to them.
     """
     yield from _frame_differences(getattr(expected, "frame", None), getattr(found, "frame", None))
     compared: set[str] = set()
@@ -96,7 +96,7 @@ def differences(
 
 
 def unequal(expected: NDArray[Any], found: NDArray[Any], tolerance: float) -> NDArray[np.bool_]:
-    """Which elements of two arrays of one shape differ by more than `tolerance`; 0 means bit for bit."""
+    """Mask of the elements of two arrays of one shape that differ by more than `tolerance`; 0 means bit for bit."""
     if expected.dtype.kind != "f":
         return np.asarray(expected != found)
     neither = np.isnan(expected) & np.isnan(found)
@@ -106,7 +106,7 @@ def unequal(expected: NDArray[Any], found: NDArray[Any], tolerance: float) -> ND
 
 
 def distance(expected: NDArray[Any], found: NDArray[Any]) -> NDArray[np.float64]:
-    """How far apart the elements of two arrays of numbers are: 0 for equal infinities and nans, else never nan."""
+    """Absolute difference of two arrays, elementwise: 0 for equal infinities and for two nans; never nan."""
     one, other = expected.astype(np.float64), found.astype(np.float64)
     with np.errstate(invalid="ignore", over="ignore"):
         apart = np.abs(one - other)
@@ -115,7 +115,7 @@ def distance(expected: NDArray[Any], found: NDArray[Any]) -> NDArray[np.float64]
 
 
 def places(record: Record, table: str) -> Places | None:
-    """Where the elements of a table lie, by its column of cells or else of points in metres; None if it has neither."""
+    """Positions of a table's elements, from its column of cells or else of points in metres; None if it has neither."""
     frame = getattr(record, "frame", None)
     if not isinstance(frame, Frame):
         return None
@@ -142,7 +142,7 @@ def _frame_differences(expected: Frame | None, found: Frame | None) -> Iterator[
 
 
 def _differing(field: _Field) -> Iterator[Difference]:
-    """Difference of a field that has the same shape in both records, if there is one."""
+    """Difference of a field with the same shape in both records, if any."""
     spec, (one, other) = field.spec, field.values
     apart = unequal(one, other, spec.tolerance)
     if not apart.any():
@@ -164,14 +164,14 @@ def _differing(field: _Field) -> Iterator[Difference]:
 
 
 def _row_difference(field: _Field) -> Difference:
-    """Difference of a table (or run of bits) with more rows in one record: where the two first part."""
+    """Difference of a table (or array of bits) with more rows in one record, and the first row that differs."""
     table, kind = field.spec.axes[0], type(field.expected)
     rows, now = (len(values) for values in field.values)
     first = common = min(rows, now)
     for column in tables(kind).get(table, ()) if field.spec.kind in COLUMNS else (field.name,):
         one, other = getattr(field.expected, column)[:common], getattr(field.found, column)[:common]
-        parted = np.argwhere(unequal(one, other, specs(kind)[column][0].tolerance))
-        first = min(first, int(parted[0, 0]) if len(parted) else common)
+        differing = np.argwhere(unequal(one, other, specs(kind)[column][0].tolerance))
+        first = min(first, int(differing[0, 0]) if len(differing) else common)
     longer = field.expected if rows > now else field.found
     apart = abs(rows - now)
     worst = Worst((first,), rows, now, difference=float(apart), unit="rows", **_where(longer, field, (first,)))
@@ -179,7 +179,7 @@ def _row_difference(field: _Field) -> Difference:
 
 
 def _where(record: Record, field: _Field, index: tuple[int, ...]) -> dict[str, Any]:
-    """Cell and point of an element, as fields of `Worst`; nothing where it has no place on the map."""
+    """Cell and point of an element, as fields of `Worst`; empty if it has no position on the map."""
     spec, frame = field.spec, getattr(record, "frame", None)
     if spec.kind in RASTERS and frame is not None:
         return {"cell": index, "place_m": tuple(frame.world_from_cell(np.array([index]))[0].tolist())}
@@ -193,7 +193,7 @@ def _where(record: Record, field: _Field, index: tuple[int, ...]) -> dict[str, A
 
 
 def _value(value: Any, spec: Spec) -> Value:
-    """One element as a plain number, its word, or a tuple."""
+    """One element as a plain number, a word (for codes) or a tuple (for vectors)."""
     plain: Any = np.asarray(value).tolist()
     if isinstance(plain, list):
         return tuple(plain)

@@ -1,6 +1,6 @@
-"""Two runs compared: their records paired by topic and rank, their settings by name.
+"""Comparison of two runs: records paired by topic and rank, settings by name.
 
-The runs may be as long as they like: no more than one record of each is held.
+Runs may be of any length: at most one record of each is in memory.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ R = TypeVar("R", bound=Record)
 
 @dataclass(frozen=True)
 class Pair:
-    """The record of one topic and rank in both runs; None in a run that has no such record."""
+    """The records of one topic and rank in both runs; None for a run that has no such record."""
 
     topic: str
     rank: int
@@ -33,7 +33,7 @@ class Pair:
 
     @property
     def differs(self) -> bool:
-        """Whether a field differs, or one of the two is missing."""
+        """Whether a field differs or one of the records is missing."""
         return bool(self.differences) or self.expected is None or self.found is None
 
 
@@ -41,12 +41,12 @@ Listener = Callable[[Pair], None]
 
 
 def ignore(_: Pair) -> None:
-    """Listen to nothing."""
+    """Do nothing: the default listener."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Mismatch:
-    """What is wrong with the first record of a stage that differs; without differences it is missing in one run."""
+    """First record of a stage that differs; no differences means that it is missing from one run."""
 
     rank: int
     differences: tuple[Difference, ...]
@@ -54,47 +54,47 @@ class Mismatch:
 
 @dataclass(frozen=True, kw_only=True)
 class Stage:
-    """How one stage compares."""
+    """Result of comparing one stage."""
 
     topic: str
     expected: int
-    """Records of this stage in the one run,"""
+    """Number of records of this stage in the first run."""
     found: int
-    """and in the other."""
+    """Number of records of this stage in the second run."""
     differing: int
-    """Records that differ or are in one run alone."""
+    """Number of records that differ or are in one run only."""
     elements: int
-    """Elements that differ, of all fields of all records."""
+    """Number of elements that differ, over all fields and records."""
     first: Mismatch | None
 
     @property
     def equal(self) -> bool:
-        """Whether all its records are there twice and equal."""
+        """Whether both runs have the same records of this stage."""
         return self.differing == 0
 
 
 @dataclass(frozen=True, kw_only=True)
 class Report:
-    """How two runs compare, stage by stage."""
+    """Result of comparing two runs, stage by stage."""
 
     stages: tuple[Stage, ...]
     stopped: str = ""
-    """Why the other run did not come to its end, where it did not."""
+    """Why the second run stopped early; empty if it finished."""
 
     @property
     def equal(self) -> bool:
-        """Whether all stages are equal."""
+        """Whether all stages are equal and the second run finished."""
         return self.first is None and not self.stopped
 
     @property
     def first(self) -> Stage | None:
-        """First stage that differs; what comes after it follows from it."""
+        """First stage that differs; differences in later stages follow from it."""
         return next((stage for stage in self.stages if not stage.equal), None)
 
 
 @dataclass
 class _Tally:
-    """What is known of a stage while the runs go on."""
+    """Counts of one stage, updated during the comparison."""
 
     expected: int = 0
     found: int = 0
@@ -104,7 +104,7 @@ class _Tally:
 
 
 class Comparison:
-    """Compares a run, whose records it is called with one by one, with the records of another; it is an `Emit`.
+    """An `Emit` that compares each record it receives with the record of the same topic and rank in another run.
 
     The listener is called with each pair, in order.
     """
@@ -115,12 +115,14 @@ class Comparison:
         self._held: Record | None = None
         self._order = {record.topic: i for i, record in enumerate(types)}
         self._tallies = {record.topic: _Tally() for record in types}
-        self._asked = {spec.axes[0] for record in types for spec, _ in specs(record).values() if spec.kind == "bits"}
+        self._flagged_tables = {
+            spec.axes[0] for record in types for spec, _ in specs(record).values() if spec.kind == "bits"
+        }
         self._places: dict[str, Places] = {}
         self._listen = listen
 
     def __call__(self, record: R, /) -> R:
-        """Compare a record with the one of its topic and rank, and return it."""
+        """Compare a record with its counterpart, and return it."""
         self.records += 1
         expected = None
         for other in self._until(self._order[record.topic]):
@@ -132,14 +134,14 @@ class Comparison:
         return record
 
     def finish(self, *, stopped: str = "") -> Report:
-        """The report, once the run is over; what the other run has left is missing in this one."""
+        """Report at the end of the run; records left over in the other run count as missing in this one."""
         for other in self._until(len(self._order)):
             self._take(other, None)
         stages = tuple(Stage(topic=topic, **vars(tally)) for topic, tally in self._tallies.items())
         return Report(stages=stages, stopped=stopped)
 
     def _until(self, place: int) -> Iterator[Record]:
-        """Records of stages before the one in this place of the order, and then one of that stage if it is next."""
+        """Next expected records of all stages before `place` in the order, then one of that stage if it is next."""
         while True:
             held = self._held if self._held is not None else next(self._expected, None)
             self._held = held
@@ -151,18 +153,18 @@ class Comparison:
                 return
 
     def _take(self, expected: Record | None, found: Record | None) -> None:
-        """Count a pair, and tell the listener."""
-        there = expected if expected is not None else found
-        assert there is not None
-        tally = self._tallies[there.topic]
+        """Count a pair and pass it to the listener."""
+        record = expected if expected is not None else found
+        assert record is not None
+        tally = self._tallies[record.topic]
         rank = max(tally.expected, tally.found)
         tally.expected += expected is not None
         tally.found += found is not None
-        self._places |= {table: at for table in self._asked if (at := places(there, table)) is not None}
+        self._places |= {table: at for table in self._flagged_tables if (at := places(record, table)) is not None}
         found_differences: tuple[Difference, ...] = ()
         if expected is not None and found is not None:
             found_differences = tuple(differences(expected, found, elsewhere=self._places))
-        pair = Pair(there.topic, rank, expected, found, found_differences)
+        pair = Pair(record.topic, rank, expected, found, found_differences)
         if pair.differs:
             tally.differing += 1
             tally.elements += sum(difference.count for difference in found_differences)
@@ -173,7 +175,7 @@ class Comparison:
 def compare(
     expected: Iterable[Record], found: Iterable[Record], *, types: Sequence[type[Record]], listen: Listener = ignore
 ) -> Report:
-    """How the records of two runs compare; `types` are all types of record, in the order of the stages."""
+    """Result of comparing the records of two runs; `types` are all record types, in the order of the stages."""
     comparison = Comparison(expected, types, listen=listen)
     for record in found:
         comparison(record)
@@ -182,7 +184,7 @@ def compare(
 
 @dataclass(frozen=True)
 class Setting:
-    """A setting that has another value in another run; None where it has none."""
+    """A setting that differs between two runs; None for a run that does not have it."""
 
     name: str
     expected: Any
@@ -190,7 +192,7 @@ class Setting:
 
 
 def settings_that_differ(expected: Mapping[str, Any], found: Mapping[str, Any], prefix: str = "") -> list[Setting]:
-    """Settings with another value in nested tables, by name as ``stage.field``."""
+    """Settings that differ between two nested tables, named ``stage.field``."""
     changed = []
     for name in [*expected, *(name for name in found if name not in expected)]:
         one, other = expected.get(name), found.get(name)
@@ -202,24 +204,24 @@ def settings_that_differ(expected: Mapping[str, Any], found: Mapping[str, Any], 
 
 
 def runs_that_differ(expected: RunInfo, found: RunInfo) -> list[Setting]:
-    """Map, preset, seed and settings in which two runs differ; the version of the program makes no other run."""
-    return settings_that_differ(_said(expected), _said(found))
+    """Differences of two runs in map, preset, seed and settings; the program version is not compared."""
+    return settings_that_differ(_comparable(expected), _comparable(found))
 
 
-def _said(info: RunInfo) -> dict[str, Any]:
+def _comparable(info: RunInfo) -> dict[str, Any]:
     source = {"sha256": about.digest(info.source), "options": json.dumps(info.source.options, sort_keys=True)}
     return {"map": source, "preset": info.preset, "seed": info.seed, **info.settings}
 
 
 Rerun = Callable[[Recording, Emit], object]
-"""Does a recorded run again and emits its records."""
+"""Repeats a recorded run and emits its records."""
 
 
 def verify(recording: Recording, rerun: Rerun, *, listen: Listener = ignore) -> Report:
-    """How a run done again compares with its recording, which is read as the run goes.
+    """Result of comparing a repeated run with its recording, which is read while the run goes on.
 
-    A run that is refused half way has stopped: that is a difference. Raises `RecordingError` where the recording is
-    damaged, and what `rerun` raises before its first record: then there is nothing to compare.
+    A run that fails half way counts as stopped, which is a difference. Raises `RecordingError` if the recording is
+    damaged, and whatever `rerun` raises before its first record, as there is nothing to compare then.
     """
     comparison = Comparison(map(itemgetter(1), recording), recording.types, listen=listen)
     try:

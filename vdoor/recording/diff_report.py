@@ -1,4 +1,4 @@
-"""What a comparison found, as text, JSON and JUnit XML."""
+"""Results of a comparison as text, JSON and JUnit XML."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from vdoor.recording.compare import Difference, Value, Worst
 from vdoor.recording.diff import Mismatch, Report, Setting, Stage
 
 Names = tuple[str, str]
-"""What the two runs are called."""
+"""Names of the two runs in the text."""
 RECORDED: Names = ("recorded", "now")
 EXIT_CODES = {"equal": 0, "differs": 1, "unreadable": 2}
 
 
 @dataclass(frozen=True, kw_only=True)
 class Result:
-    """What came of verifying one file."""
+    """Result of verifying one file."""
 
     path: Path
     report: Report | None = None
@@ -32,24 +32,24 @@ class Result:
 
     @property
     def verdict(self) -> str:
-        """equal, differs or unreadable."""
+        """One of equal, differs and unreadable."""
         if self.report is None:
             return "unreadable"
         return "equal" if self.report.equal else "differs"
 
     @property
     def table(self) -> dict[str, Any]:
-        """All of it by name."""
+        """Fields for JSON."""
         return {"path": self.path, "verdict": self.verdict, "error": self.error, "comparison": self.report}
 
 
 def exit_code(results: Sequence[Result]) -> int:
-    """0 where all are equal, 1 where one differs, 2 where one could not be read."""
+    """0 if all are equal, 1 if one differs, 2 if one could not be read."""
     return max((EXIT_CODES[result.verdict] for result in results), default=0)
 
 
 def table(results: Sequence[Result]) -> Iterator[str]:
-    """One line a file, then what differs, file by file."""
+    """One line per file, then the differences, file by file."""
     width = max((len(str(result.path)) for result in results), default=0)
     for result in results:
         yield printable(f"{result.verdict:10s}  {result.path!s:{width}s}  {_summary(result)}".rstrip())
@@ -70,7 +70,7 @@ def _summary(result: Result) -> str:
 
 
 def lines(report: Report, names: Names) -> Iterator[str]:
-    """The first stage that differs in full, of the later ones how much; nothing where all is equal."""
+    """Full differences of the first stage that differs, and counts for later ones; nothing if all is equal."""
     first = report.first
     for stage in report.stages:
         if stage is first:
@@ -79,7 +79,7 @@ def lines(report: Report, names: Names) -> Iterator[str]:
         elif not stage.equal:
             yield f"{stage.topic} differs too: {_counts(stage, names)}"
     if report.stopped:
-        yield printable(f"{names[1]} the run stops: {report.stopped}")
+        yield printable(f"{names[1]} the run stopped: {report.stopped}")
 
 
 def _counts(stage: Stage, names: Names) -> str:
@@ -102,13 +102,13 @@ def _mismatch(stage: Stage, names: Names) -> Iterator[str]:
 
 
 def describe(difference: Difference, names: Names) -> str:
-    """One line about a field: how many elements differ, the worst one, where it is, both values."""
+    """One line about a field: number of elements that differ, the worst one, its position, both values."""
     worst = difference.worst
     where = ", ".join(map(str, worst.index))
     place = f" ({_place(worst)})" if worst.cell is not None else ""
     at = f", {'worst' if worst.difference is not None else 'first'} at {where}{place}" if worst.index else ""
     if worst.unit == "rows":
-        many, at = f"{difference.count} more or less", f", first parting at {where}{place}"
+        many, at = f"count differs by {difference.count}", f", first difference at {where}{place}"
     else:
         many = f"{difference.count} of {difference.total} differ" if difference.total > 1 else "differs"
     apart = "" if worst.difference is None else f", {worst.difference:.6g} {worst.unit}".rstrip() + " apart"
@@ -135,7 +135,7 @@ def setting_line(setting: Setting, names: Names) -> str:
 
 
 def to_json(value: Any) -> str:
-    """Dataclasses, paths and numbers as JSON; infinities and nans, which JSON lacks, as text."""
+    """Dataclasses, paths and numbers as JSON; infinities and nans, which JSON does not have, as text."""
     return json.dumps(_plain(value), indent=1)
 
 
@@ -152,7 +152,7 @@ def _plain(value: Any) -> Any:
 
 
 def junit(results: Sequence[Result]) -> bytes:
-    """JUnit XML: a test a file, a failure for one that differs, an error for one that could not be read."""
+    """JUnit XML: one test per file, with a failure if it differs and an error if it could not be read."""
     verdicts = [result.verdict for result in results]
     counts = {"tests": len(results), "failures": verdicts.count("differs"), "errors": verdicts.count("unreadable")}
     suite = ET.Element("testsuite", {"name": "vdoor verify"} | {name: str(count) for name, count in counts.items()})

@@ -1,4 +1,4 @@
-"""The indexes and statistics of an MCAP file, compared with the data they are about."""
+"""The indexes and statistics of an MCAP file, compared with its data."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ from typing import Any, TypeAlias
 from vdoor.recording.mcap import naming, scan, unpacked
 
 FOOTER_BYTES_BEFORE_CRC = 25
-"""Its kind and length and two offsets; the checksum of the summary covers them too."""
+"""Kind, length and two offsets of the footer, which the checksum of the summary covers too."""
 SUMMARY = ("Schema", "Channel", "Statistics", "ChunkIndex", "AttachmentIndex", "MetadataIndex")
 Fields: TypeAlias = dict[str, Any]
 
 
 def index_damage(path: Path) -> list[str]:
-    """What is wrong with the summary of a file, its checksums and its message indexes, one line each.
+    """Errors in the summary, checksums and message indexes of a file, one line each.
 
-    Raises `RecordingError` where the file cannot be read to its end, or a checksum of the data is not right.
+    Raises `RecordingError` if the file cannot be read to its end or a checksum of the data is wrong.
     """
     data, summary, footer = _Data(), defaultdict[str, list[Fields]](list), list[str]()
     with naming(path):
@@ -38,21 +38,21 @@ def index_damage(path: Path) -> list[str]:
 
 
 class _Data:
-    """What the data section holds, in the words of the summary."""
+    """The data section of a file, and the summary records that match it."""
 
     def __init__(self) -> None:
         self.end = 0
-        """Where it ends; 0 until then."""
+        """Byte at which the data section ends; 0 until it is reached."""
         self.wrong: list[str] = []
         self._kept: dict[str, dict[int, Fields]] = {kind: {} for kind in SUMMARY}
-        """Records of the summary by id or by where in the file they are about."""
+        """Summary records by kind, then by id or by the byte that they refer to."""
         self._counts: Counter[int] = Counter()
         self._times_ns: list[int] = []
         self._to_index: dict[int, list[int]] = {}
-        """Times of the last chunk's messages, by channel, that no index was seen of yet."""
+        """Times of the last chunk's messages that have not been indexed yet, by channel."""
 
     def add(self, kind: str, span: tuple[int, int], record: Any) -> None:
-        """Take in one record that lies between two bytes of the file."""
+        """Add one record; `span` is its first byte and end in the file."""
         begin, end = span
         place = {"offset": begin, "length": end - begin}
         if kind == "Chunk":
@@ -72,7 +72,7 @@ class _Data:
             self.wrong.append(f"byte {begin}: wanted all {kind} records in chunks, found one outside")
 
     def summary(self) -> Mapping[str, list[Fields]]:
-        """Records of the summary that fit the data, by kind."""
+        """Summary records that match the data, by kind."""
         kept = {kind: list(found.values()) for kind, found in self._kept.items()}
         statistics = {
             "attachment_count": len(kept["AttachmentIndex"]),
@@ -133,7 +133,7 @@ class _Data:
 
 
 def _footer_damage(path: Path, begin: int, footer: Fields, *, data_end: int) -> list[str]:
-    """What is wrong with the footer that begins at a byte of the file."""
+    """Errors in the footer, which begins at byte `begin`, one line each."""
     wrong = []
     if footer["summary_start"] != data_end or not data_end <= footer["summary_offset_start"] <= begin:
         wrong.append(f"footer: wanted a summary from byte {data_end}, found one from {footer['summary_start']}")

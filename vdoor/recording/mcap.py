@@ -1,6 +1,6 @@
 """MCAP files: the sink that records a run, and the reader; the only module that imports mcap.
 
-The file holds nothing of the clock or the host, so that equal runs give equal bytes.
+The file contains nothing that depends on the clock or the host, so equal runs give equal bytes.
 """
 
 from __future__ import annotations
@@ -32,9 +32,9 @@ if TYPE_CHECKING:
 
 METADATA = "vdoor"
 EPOCH_NS, STEP_NS = 1_577_836_800 * ros.NS_PER_S, 100_000_000
-"""Log time of step 0 (the year 2020), and between steps: any fixed times do, viewers play ten steps a second."""
+"""Log time of step 0 (1 January 2020) and time between steps: arbitrary but fixed; viewers play ten steps a second."""
 CHUNK_TO = 2**30
-"""Bytes of a chunk unpacked, at most: a raster of 16,384 x 16,384 labels."""
+"""Maximum size of an uncompressed chunk in bytes: a raster of 16,384 x 16,384 labels."""
 SIZE_UNKNOWN = -1
 MAGIC_SIZE = 8
 
@@ -47,8 +47,9 @@ def time_ns(step: int) -> int:
 class McapSink:
     """Records a run in an MCAP file (ROS 2 profile, CDR, zstd, all CRCs and indexes).
 
-    What `write` was given is in the file when it returns. The map's files come behind the first record, the map itself,
-    which so comes back out of a file cut short in them. Raises `RecordingError` where the file cannot be written.
+    A record is in the file when `write` returns. The map's files are written after the first record, the map itself,
+    so that the map can be read from a file that is cut short in them. Raises `RecordingError` if the file cannot be
+    written.
     """
 
     def __init__(self, path: Path, info: RunInfo) -> None:
@@ -59,7 +60,7 @@ class McapSink:
         self._channels: dict[str, int] = {}
         self._cells: NDArray[np.int8] | None = None
         self._files = info.source.files
-        """Those of the map that are not in the file yet."""
+        """Files of the map that have not been written yet."""
         with _naming_unwritable(path):
             self._stream = path.open("wb")
         self._writer = Writer(self._stream, enable_data_crcs=True)
@@ -69,7 +70,7 @@ class McapSink:
             self._writer.flush()  # type: ignore[no-untyped-call]
 
     def write(self, step: int, record: Record) -> None:
-        """Write one record and what viewers get beside it; when this returns, it survives a kill."""
+        """Write one record and its viewer messages; once this returns, they survive a kill."""
         if isinstance(record, OccupancyGrid):
             self._cells = record.cells
         now_ns = time_ns(step)
@@ -77,15 +78,15 @@ class McapSink:
         messages += viewers.for_viewers(record, time_ns=now_ns, cells=self._cells)
         with self._writing():
             for topic, name, data in messages:
-                self._writer.add_message(self._channel(topic, name), now_ns, data, now_ns, step)  # type: ignore[arg-type]  # any buffer will do
+                self._writer.add_message(self._channel(topic, name), now_ns, data, now_ns, step)  # type: ignore[arg-type]  # any buffer works
             self._writer.flush()  # type: ignore[no-untyped-call]
             self._attach_files()
 
     def close(self) -> None:
-        """Write the indexes and close the file; of a file that could not be written there is nothing left to close."""
+        """Write the indexes and close the file; does nothing if a write failed, as the file is closed then."""
         if self._stream.closed:
             return
-        with held_signals(), self._writing():  # half a footer could not be finished by closing again
+        with held_signals(), self._writing():  # closing again could not complete half a footer
             self._attach_files()
             self._writer.finish()  # type: ignore[no-untyped-call]
             self._stream.close()
@@ -99,7 +100,7 @@ class McapSink:
             self._writer.flush()  # type: ignore[no-untyped-call]
 
     def _channel(self, topic: str, name: str) -> int:
-        """Give the number of the channel of `topic` with messages of type `name`, made at first use."""
+        """Return the number of the channel of `topic` with messages of type `name`, registered at first use."""
         if name not in self._schemas:
             self._schemas[name] = self._writer.register_schema(name, "ros2msg", ros.definition(name))
         if topic not in self._channels:
@@ -108,7 +109,7 @@ class McapSink:
 
     @contextlib.contextmanager
     def _writing(self) -> Iterator[None]:
-        """Write, and after an error close the file as it is."""
+        """Write; after an error, close the file as it is."""
         try:
             with _naming_unwritable(self.path):
                 yield
@@ -120,20 +121,20 @@ class McapSink:
 
 @dataclass(frozen=True)
 class Recording:
-    """A recorded run: what it was, and when iterated over, each step with its record, in order.
+    """A recorded run: its information, and by iteration, each step with its record, in order.
 
-    Iterating reads the file as it goes, with at most one record in memory and every checksum compared. Where the file
-    is damaged or cut short, the steps that came whole before are given out first, then `RecordingError` is raised.
+    Iteration reads the file with at most one record in memory and checks every checksum. If the file is damaged or cut
+    short, the complete steps before the damage are yielded first, then `RecordingError` is raised.
     """
 
     path: Path
     info: RunInfo
     types: tuple[type[Record], ...]
     lost: tuple[str, ...] = ()
-    """What of the run's own words was cut off, one line each; its records are found when iterating."""
+    """Losses of the run's metadata and source files, one line each; lost records are found during iteration."""
 
     def __iter__(self) -> Iterator[tuple[int, Record]]:
-        """Pairs of step and record; `RecordingError` for parts that are missing, unknown or do not fit the record."""
+        """Pairs of step and record; `RecordingError` for parts that are missing, unknown or do not fit their record."""
         with naming(self.path):
             known = {record.topic: record for record in self.types}
             for step, record in _records(self.path, known, version=self.info.version):
@@ -141,13 +142,13 @@ class Recording:
                     yield step, dataclasses.replace(record, source=self.info.source)
                 else:
                     yield step, record
-                del record  # or it would stay in memory while the next one is read
+                del record  # otherwise it stays in memory while the next one is read
 
 
 def read_recording(path: Path, *, types: Sequence[type[Record]]) -> Recording:
     """Run that is recorded in `path`, with records of the given types.
 
-    Raises `RecordingError` where there is none, or one of another schema; damage further on is found when iterating.
+    Raises `RecordingError` if there is none or its schema is another; later damage is found during iteration.
     """
     with naming(path):
         info, lost = _info(path)
@@ -155,9 +156,10 @@ def read_recording(path: Path, *, types: Sequence[type[Record]]) -> Recording:
 
 
 def _info(path: Path) -> tuple[RunInfo, list[str]]:
-    """Information on the run: metadata, and the map's files, which come behind the first record, or before it, as once.
+    """Run information from the metadata and the map's files, and a list of what was lost.
 
-    Of a file that is cut short before these are all there, it is what is known without them, and what was lost.
+    The map's files follow the first record; older versions wrote them before it. If the file is cut short before the
+    last of them, the information is what is known without them.
     """
     from mcap.exceptions import EndOfFile  # noqa: PLC0415  # only recordings need it
     from mcap.records import Attachment, Metadata  # noqa: PLC0415
@@ -183,7 +185,7 @@ def _info(path: Path) -> tuple[RunInfo, list[str]]:
 
 
 def _records(path: Path, known: Mapping[str, type[Record]], *, version: str) -> Iterator[tuple[int, Record]]:
-    """Pairs of step and record of the file, each given out as soon as its last part is there."""
+    """Pairs of step and record of the file, each yielded as soon as its last part has been read."""
     gathered: dict[str, bytes] = {}
     at = (-1, "")
     for topic, name, message in _messages(path):
@@ -200,23 +202,23 @@ def _records(path: Path, known: Mapping[str, type[Record]], *, version: str) -> 
             with naming_version(version):
                 record = decoded(kind, gathered)
             yield at[0], record
-            del record  # or it would stay in memory while the next one is read
+            del record  # otherwise it stays in memory while the next one is read
     if gathered:
         missing = codec.parts(known[at[1]]).keys() - gathered.keys()
         raise RecordingError(
-            f"step {at[0]} ({at[1]}): wanted one message a part, found none or two of {', '.join(sorted(missing))}"
+            f"step {at[0]} ({at[1]}): wanted one message per part, found none or two of {', '.join(sorted(missing))}"
         )
 
 
 def decoded(kind: type[Record], gathered: dict[str, bytes]) -> Record:
-    """Record of the gathered parts, which are let go, or they would stay in memory beside it."""
+    """Record from the gathered parts, which are cleared so that they do not stay in memory beside it."""
     record = codec.decode(kind, gathered)
     gathered.clear()
     return record
 
 
 def find(topic: str, name: str, *, known: Mapping[str, type[Record]]) -> tuple[type[Record], str]:
-    """Type of record and the part that a topic belongs to; its messages are of ROS type `name`."""
+    """Record type and part name that a topic belongs to; `RecordingError` unless its ROS type is `name`."""
     prefix, _, part = topic.rpartition("/")
     kind = known.get(prefix.removeprefix(f"{codec.PREFIX}/"))
     if kind is None or part not in codec.parts(kind) or topic != f"{codec.PREFIX}/{kind.topic}/{part}":
@@ -230,7 +232,7 @@ def find(topic: str, name: str, *, known: Mapping[str, type[Record]]) -> tuple[t
 
 
 def step_of(topic: str, log_time_ns: int) -> int:
-    """Step of a message of that log time; `RecordingError` naming its topic where there is none."""
+    """Step that a log time stands for; `RecordingError` with the topic if it is not the time of a step."""
     step, rest_ns = divmod(log_time_ns - EPOCH_NS, STEP_NS)
     if step < 0 or rest_ns:
         raise RecordingError(f"topic {topic}: wanted the log time of a step, found {log_time_ns} ns")
@@ -238,7 +240,7 @@ def step_of(topic: str, log_time_ns: int) -> int:
 
 
 def _messages(path: Path) -> Iterator[tuple[str, str, Message]]:
-    """Topic, ROS type and message, of all that are parts of records."""
+    """Topic, ROS type and message, for all messages that are parts of records."""
     topics = Topics()
     for _, _, record in scan(path):
         for item in unpacked(record):
@@ -246,14 +248,17 @@ def _messages(path: Path) -> Iterator[tuple[str, str, Message]]:
 
 
 class Topics:
-    """Topics and ROS types of messages, by the schemas and channels that were seen before them."""
+    """Topics and ROS types of messages, from the schemas and channels read before them."""
 
     def __init__(self) -> None:
         self._names: dict[int, str] = {}
         self._channels: dict[int, tuple[str, int, str]] = {}
 
     def parts(self, item: McapRecord) -> Iterator[tuple[str, str, Message]]:
-        """Topic, type and message, if the item is a part of a record; of schemas and channels the first ones stand."""
+        """Topic, type and message, if the item is a part of a record.
+
+        Schemas and channels are stored; the first one with an id counts.
+        """
         from mcap.records import Channel, Message, Schema  # noqa: PLC0415  # only recordings need it
 
         if isinstance(item, Schema):
@@ -271,7 +276,7 @@ class Topics:
 
 
 def unpacked(record: McapRecord) -> list[McapRecord]:
-    """Contents of a chunk, once its size is known to be no lie; any other record as it is."""
+    """Contents of a chunk, after a check of its claimed size; any other record as it is."""
     import zstandard  # noqa: PLC0415  # only recordings need it
     from mcap.records import Chunk  # noqa: PLC0415
     from mcap.stream_reader import breakup_chunk  # noqa: PLC0415
@@ -279,7 +284,7 @@ def unpacked(record: McapRecord) -> list[McapRecord]:
     if not isinstance(record, Chunk):
         return [record]
     if record.compression not in {"zstd", ""}:
-        raise RecordingError(f"recording: wanted chunks packed with zstd or not at all, found {record.compression!r}")
+        raise RecordingError(f"recording: wanted zstd or uncompressed chunks, found {record.compression!r}")
     claims = {record.uncompressed_size}
     if record.compression:
         claims.add(zstandard.frame_content_size(record.data))
@@ -291,9 +296,9 @@ def unpacked(record: McapRecord) -> list[McapRecord]:
 
 
 def scan(path: Path) -> Iterator[tuple[int, int, McapRecord]]:
-    """Begin, end and content of all records of the file's own level, chunks in one piece, and no byte after them.
+    """Begin, end and content of all top-level records of the file; chunks are not unpacked.
 
-    The checksum of the data section is compared.
+    Checks the checksum of the data section, and raises `RecordingError` if bytes follow the last record.
     """
     from mcap.stream_reader import StreamReader  # noqa: PLC0415  # only recordings need it
 
@@ -307,7 +312,7 @@ def scan(path: Path) -> Iterator[tuple[int, int, McapRecord]]:
 
 
 def parse(data: bytes) -> McapRecord | None:
-    """The one record, with its header, that `data` holds; None for a kind that is not known."""
+    """The record, with its header, in `data`; None for an unknown kind."""
     from mcap.stream_reader import StreamReader  # noqa: PLC0415  # only recordings need it
 
     reader = StreamReader(io.BytesIO(data), skip_magic=True, emit_chunks=True, record_size_limit=len(data))
@@ -315,7 +320,7 @@ def parse(data: bytes) -> McapRecord | None:
 
 
 class _Bounded(io.BufferedReader):
-    """A file that makes room for no more bytes than it has left, however long a record claims to be."""
+    """A file that never allocates more bytes than it has left, whatever length a record claims."""
 
     def read(self, size: int | None = -1, /) -> bytes:
         left = os.fstat(self.fileno()).st_size - self.tell()
@@ -324,7 +329,7 @@ class _Bounded(io.BufferedReader):
 
 @contextlib.contextmanager
 def naming_version(version: str) -> Iterator[None]:
-    """Say which version wrote what cannot be made sense of, and what to do."""
+    """Add to a `RecordingError` the version that wrote the recording, and what to do."""
     try:
         yield
     except RecordingError as error:
@@ -335,7 +340,7 @@ def naming_version(version: str) -> Iterator[None]:
 
 @contextlib.contextmanager
 def naming(path: Path) -> Iterator[None]:
-    """Turn what reading raises into a `RecordingError` that ends with the path."""
+    """Turn errors of reading into a `RecordingError` that ends with the path."""
     import zstandard  # noqa: PLC0415  # only recordings need it
     from mcap.exceptions import EndOfFile, InvalidMagic, McapError  # noqa: PLC0415
 
@@ -347,7 +352,7 @@ def naming(path: Path) -> Iterator[None]:
     except OSError as error:
         raise RecordingError(f"recording: cannot be read ({error.strerror}): {path}") from error
     except (EndOfFile, struct.error) as error:
-        raise RecordingError(f"recording: wanted the end of an MCAP file, found it cut short: {path}") from error
+        raise RecordingError(f"recording: wanted a complete MCAP file, found it cut short: {path}") from error
     except InvalidMagic as error:
         raise RecordingError(f"recording: wanted an MCAP file, found none: {path}") from error
     except (McapError, zstandard.ZstdError, ValueError, OverflowError, MemoryError) as error:
@@ -355,7 +360,7 @@ def naming(path: Path) -> Iterator[None]:
 
 
 def _refuse_pipe(path: Path) -> None:
-    """RecordingError for what is neither file nor folder: to open it may wait for ever."""
+    """Raise `RecordingError` for anything but a file or folder: opening it could block forever."""
     mode = path.stat().st_mode
     if not (stat.S_ISREG(mode) or stat.S_ISDIR(mode)):
         raise RecordingError("recording: wanted a file, found a device or pipe")
@@ -363,7 +368,7 @@ def _refuse_pipe(path: Path) -> None:
 
 @contextlib.contextmanager
 def _naming_unwritable(path: Path) -> Iterator[None]:
-    """Turn what writing raises into a `RecordingError` that ends with the path."""
+    """Turn errors of writing into a `RecordingError` that ends with the path."""
     try:
         yield
     except OSError as error:

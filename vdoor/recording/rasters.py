@@ -15,18 +15,18 @@ from vdoor.record import Record
 from vdoor.recording import ros
 
 Encodings = dict[str, tuple[str, int, int]]
-"""ROS name of a pixel's type, its numpy name, and the least and greatest value it is used for."""
+"""By the ROS name of a pixel type: its numpy name and the smallest and largest value stored in it."""
 LABELS: Encodings = {"16UC1": ("<u2", 0, 2**16 - 1), "32SC1": ("<i4", -(2**31), 2**31 - 1)}
 
 
 def codes(words: tuple[str, ...]) -> Encodings:
-    """How codes are stored that stand for one of `words`."""
+    """Encoding of codes that are indices into `words`."""
     return {"8UC1": ("u1", 0, len(words) - 1)}
 
 
 @dataclass(frozen=True)
 class Grid:
-    """An occupancy raster as an OccupancyGrid, whose row 0 is the bottom one."""
+    """An occupancy raster as an OccupancyGrid, where row 0 is at the bottom."""
 
     place: str
     field: str
@@ -34,7 +34,7 @@ class Grid:
     message: ClassVar[str] = "nav_msgs/msg/OccupancyGrid"
 
     def encode(self, record: Record, time_ns: int) -> Any:
-        """Message, posed by the record's frame."""
+        """Message with the pose of the record's frame."""
         cells = getattr(record, self.field)
         return ros.make(
             self.message,
@@ -44,7 +44,7 @@ class Grid:
         )
 
     def decode(self, message: Any) -> dict[str, NDArray[np.int8]]:
-        """Raster by its field's name; `RecordingError` where the message does not hold one."""
+        """Raster by its field's name; `RecordingError` if the message does not contain a valid one."""
         cells = _shaped(self.place, message.data, message.info.height, message.info.width)
         check_range(self.place, cells, -1, 100)
         return {self.field: np.ascontiguousarray(cells[::-1])}
@@ -62,7 +62,7 @@ class Picture:
     message: ClassVar[str] = "sensor_msgs/msg/Image"
 
     def encode(self, record: Record, time_ns: int) -> Any:
-        """Message, row 0 on top as in the record."""
+        """Message with row 0 at the top, as in the record."""
         raster = getattr(record, self.field)
         least, greatest = raster.min(initial=0), raster.max(initial=0)
         name = next(name for name, (_, low, high) in self.encodings.items() if low <= least and greatest <= high)
@@ -79,7 +79,7 @@ class Picture:
         )
 
     def decode(self, message: Any) -> dict[str, NDArray[Any]]:
-        """Raster by its field's name; `RecordingError` where the message does not hold one."""
+        """Raster by its field's name; `RecordingError` if the message does not contain a valid one."""
         if message.encoding not in self.encodings or message.is_bigendian:
             end = "big" if message.is_bigendian else "little"
             raise RecordingError(
@@ -96,14 +96,14 @@ class Picture:
 
 
 def frame_of(record: Record) -> Frame:
-    """Frame of a record that has one, as all do with rasters or cells."""
+    """Frame of a record; all records with rasters or cells have one."""
     frame = getattr(record, "frame", None)
     assert isinstance(frame, Frame), f"{type(record).__name__} has no frame"
     return frame
 
 
 def check_range(place: str, values: NDArray[Any], low: int, high: int) -> None:
-    """Raise `RecordingError` if a value lies outside low to high."""
+    """Raise `RecordingError` if a value is outside `low` to `high`, both included."""
     if values.size == 0:
         return
     info = np.iinfo(values.dtype)
@@ -114,14 +114,14 @@ def check_range(place: str, values: NDArray[Any], low: int, high: int) -> None:
 
 
 def _shaped(place: str, data: NDArray[Any], height: int, width: int) -> NDArray[Any]:
-    """View `data` as (height, width), which may be a lie."""
+    """View of `data` as (height, width); `RecordingError` if its size does not match."""
     if height * width != data.size:
         raise RecordingError(f"{place}: wanted {height} x {width} = {height * width} elements, found {data.size}")
     return data.reshape(height, width)
 
 
 def _info(frame: Frame, shape: tuple[int, int], time_ns: int) -> Any:
-    """Size and pose of a grid; `resolution` is a float32, so the exact one travels with the record's numbers."""
+    """Size and pose of a grid; `resolution` is a float32, so the exact value is stored with the record's numbers."""
     half_rad = frame.yaw_rad / 2
     return ros.make(
         "nav_msgs/msg/MapMetaData",

@@ -1,4 +1,4 @@
-"""A whole recording made of what a damaged one still holds."""
+"""A valid recording written from the intact records of a damaged one."""
 
 from __future__ import annotations
 
@@ -20,27 +20,27 @@ from vdoor.recording.salvage import salvage
 
 @dataclass(frozen=True, kw_only=True)
 class Recovery:
-    """What came back of a recording."""
+    """Result of recovering a recording."""
 
     records: dict[str, int]
-    """Records that came back, by topic; without any, no file was written."""
+    """Number of recovered records, by topic; if empty, no file was written."""
     damage: tuple[str, ...]
-    """What was lost beside records, one line each."""
+    """Other losses than records, one line each."""
     missing: tuple[str, ...]
     """Stages without a record, and gaps between records."""
 
 
 def recover(path: Path, out: Path, *, types: Sequence[type[Record]], emits: Emits | None = None) -> Recovery:
-    """Write what is whole in the recording at `path`, with records of `types`, as a new recording `out`.
+    """Write the intact records, of `types`, of the recording at `path` to a new recording `out`.
 
-    Raises `RecordingError` where the one cannot be read or is of another schema, or the other cannot be written; then
-    no file is left.
+    Raises `RecordingError` if `path` cannot be read or has another schema, or if `out` cannot be written; no file is
+    left behind then.
     """
     contents = _Contents(path)
     with naming(path):
         info, damage = about.salvaged(contents.text, contents.attachments)
     partial, steps = partial_name(out), list[tuple[int, str]]()
-    while partial.exists():  # likely the very file that is to be recovered
+    while partial.exists():  # probably the file to recover
         partial = partial_name(partial)
     sink: McapSink | None = None
     try:
@@ -63,7 +63,7 @@ def recover(path: Path, out: Path, *, types: Sequence[type[Record]], emits: Emit
 
 
 class _Contents:
-    """What a file still holds."""
+    """Intact contents of a damaged file."""
 
     def __init__(self, path: Path) -> None:
         self.text: Mapping[str, str] | None = None
@@ -80,13 +80,13 @@ class _Contents:
                     self._take(item)
 
     def damage(self) -> Iterator[str]:
-        """What is lost beside the run's own words, one line each."""
+        """Losses other than the run's metadata and source files, one line each."""
         if self._bytes_lost:
-            yield f"{self._bytes_lost} bytes that make no whole record of the file"
+            yield f"{self._bytes_lost} bytes that do not form a complete record"
         yield from dict.fromkeys(self._refused)
 
     def records(self, known: Mapping[str, type[Record]]) -> Iterator[tuple[int, Record]]:
-        """Pairs of step and record of all records whose parts are whole."""
+        """Pairs of step and record, for all records whose parts are intact."""
         gathered: dict[str, bytes] = {}
         last, at = -1, (-1, "")
         for topic, name, message in self._messages():
@@ -104,10 +104,10 @@ class _Contents:
                 continue
             last = here[0]
             yield last, record
-            del record  # or it would stay in memory while the next one is read
+            del record  # otherwise it stays in memory while the next one is read
 
     def _take(self, item: Any) -> None:
-        """Learn what is no message; messages are read the second time, when all channels are known."""
+        """Store everything but messages, which are read in pass 2, when all channels are known."""
         kind = type(item).__name__
         if kind == "Metadata" and item.name == METADATA:
             self.text = self.text or item.metadata

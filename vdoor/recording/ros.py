@@ -1,4 +1,4 @@
-"""ROS 2 messages, made and read back as CDR bytes; the only module that imports rosbags."""
+"""ROS 2 messages, written and read as CDR bytes; the only module here that imports rosbags."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ NS_PER_S = 1_000_000_000
 
 @functools.cache
 def store() -> Typestore:
-    """Message types of one ROS 2 release; the ones used here have long been the same in all."""
+    """Message types of one ROS 2 release; those used here are the same in all recent releases."""
     from rosbags.typesys import Stores, get_typestore  # noqa: PLC0415  # only recordings need it
 
     return get_typestore(Stores.ROS2_JAZZY)
 
 
 def make(name: str, /, **fields: Any) -> Any:
-    """Message of type `name` (``nav_msgs/msg/OccupancyGrid``) with all of its fields given."""
+    """Message of type `name` (``nav_msgs/msg/OccupancyGrid``); all of its fields must be given."""
     return store().types[name](**fields)
 
 
@@ -34,20 +34,20 @@ def pack(message: Any) -> memoryview:
 
 
 def unpack(data: bytes | memoryview, name: str) -> Any:
-    """Message of type `name` in `data`; its arrays look into `data`, so sizes that lie cost no memory.
+    """Message of type `name` in `data`; its arrays are views of `data`, so false sizes cost no memory.
 
-    Raises `RecordingError` where the bytes are not such a message.
+    Raises `RecordingError` if the bytes are not such a message.
     """
     from rosbags.serde import SerdeError  # noqa: PLC0415  # only recordings need it
 
     try:
         return store().deserialize_cdr(data, name)
     except (SerdeError, struct.error, ValueError, IndexError, OverflowError) as error:
-        raise RecordingError(f"wanted a {name} message, found bytes that are none ({error})") from error
+        raise RecordingError(f"wanted a {name} message, found other bytes ({error})") from error
 
 
 def definition(name: str) -> bytes:
-    """Definition of message type `name` and of all types in it, as ``ros2msg`` schemas hold it."""
+    """Definition of message type `name` and of all types in it, in the format of ``ros2msg`` schemas."""
     text, _ = store().generate_msgdef(name, ros_version=2)
     return text.encode()
 
@@ -63,11 +63,11 @@ def header(time_ns: int) -> Any:
 
 
 def point(x_m: float, y_m: float) -> Any:
-    """Point on the floor."""
+    """Point at height 0."""
     return make("geometry_msgs/msg/Point", x=float(x_m), y=float(y_m), z=0.0)
 
 
 def pose(x_m: float = 0.0, y_m: float = 0.0, *, z: float = 0.0, w: float = 1.0) -> Any:
-    """Pose on the floor, turned about the vertical by the quaternion (0, 0, z, w)."""
+    """Pose at height 0, rotated about the vertical by the quaternion (0, 0, z, w)."""
     turn = make("geometry_msgs/msg/Quaternion", x=0.0, y=0.0, z=float(z), w=float(w))
     return make("geometry_msgs/msg/Pose", position=point(x_m, y_m), orientation=turn)

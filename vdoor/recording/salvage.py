@@ -1,4 +1,4 @@
-"""What can still be read of a damaged MCAP file: every record that is whole, wherever it is."""
+"""Reading a damaged MCAP file: every intact record, wherever it is."""
 
 from __future__ import annotations
 
@@ -12,19 +12,19 @@ from vdoor.errors import RecordingError
 from vdoor.recording.mcap import MAGIC_SIZE, naming, parse, unpacked
 
 HEADER = struct.Struct("<BQ")
-"""Kind of a record and length of its content."""
+"""Kind and content length of a record."""
 SIZE = struct.Struct("<Q")
 CHUNK, LAST_KIND = 6, 15
 PACKED = b"\x04\x00\x00\x00zstd"
-"""Name of the compression, which stands at a fixed place in every chunk."""
+"""Name of the compression, at a fixed offset in every chunk."""
 PACKED_AT, SIZE_AT, DATA_AT = 37, 45, 53
-"""Places in a chunk's record of that name, of the size of the packed data, and of the data."""
+"""Byte offsets in a chunk's record: compression name, compressed size, data."""
 
 
 def salvage(path: Path) -> Iterator[list[Any] | int]:
-    """What is whole of a file, in order, contents of each chunk in one list; where bytes had to be left out, how many.
+    """Intact contents of a file in order, one list per chunk; an int is the number of bytes skipped at that point.
 
-    A chunk is told by its own sizes and checksum, not by the length of its record, which may be damaged.
+    A chunk is recognised by its own sizes and checksum, not by the length of its record, which may be damaged.
     """
     with naming(path), path.open("rb") as stream:
         if path.stat().st_size <= MAGIC_SIZE:
@@ -42,7 +42,7 @@ def salvage(path: Path) -> Iterator[list[Any] | int]:
 
 
 def _record(data: mmap.mmap, at: int, path: Path) -> tuple[list[Any] | None, int]:
-    """The record at a place and where it ends, None where there is none, or its length would swallow a chunk."""
+    """Record at a byte and its end; None if there is no record, or if its length would run over a chunk."""
     end = _end(data, at)
     if end is None or _next_chunk(data, at + 1, end, path) < end:
         return None, at
@@ -50,7 +50,7 @@ def _record(data: mmap.mmap, at: int, path: Path) -> tuple[list[Any] | None, int
 
 
 def _chunk(data: mmap.mmap, at: int, path: Path) -> tuple[list[Any] | None, int]:
-    """Contents of the chunk at a place and where it ends, None where it is not whole."""
+    """Contents of the chunk at a byte and its end; None if it is not intact."""
     if at + DATA_AT > len(data):
         return None, at
     end = at + DATA_AT + SIZE.unpack_from(data, at + SIZE_AT)[0]
@@ -64,7 +64,7 @@ def _chunk(data: mmap.mmap, at: int, path: Path) -> tuple[list[Any] | None, int]
 
 
 def _fills(packed: bytes) -> bool:
-    """Whether a packed frame takes all of the bytes: to unpack them, what follows is ignored."""
+    """Whether a compressed frame uses all of the bytes; decompression ignores anything after the frame."""
     import zstandard  # noqa: PLC0415  # only recordings need it
 
     frame = zstandard.ZstdDecompressor().decompressobj()
@@ -86,7 +86,7 @@ def _is_chunk(data: mmap.mmap, at: int) -> bool:
 
 
 def _end(data: mmap.mmap, at: int) -> int | None:
-    """Where the record at a place ends by its own account, None where that cannot be."""
+    """End of the record at a byte according to its header; None if the header is not valid."""
     if at + HEADER.size > len(data):
         return None
     kind, length = HEADER.unpack_from(data, at)
@@ -95,13 +95,13 @@ def _end(data: mmap.mmap, at: int) -> int | None:
 
 
 def _next(data: mmap.mmap, at: int, path: Path) -> int:
-    """Where to go on after what is damaged: at its end, unless a chunk begins before."""
+    """Where to continue after a damaged record: at its end, or earlier if a chunk begins before that."""
     end = _end(data, at)
     return _next_chunk(data, at + 1, len(data) if end is None else end, path)
 
 
 def _next_chunk(data: mmap.mmap, begin: int, end: int, path: Path) -> int:
-    """Where the next whole chunk begins, or `end`."""
+    """Start of the next intact chunk before `end`, or `end`."""
     named = data.find(PACKED, begin + PACKED_AT, end + PACKED_AT)
     while named >= 0 and _chunk(data, named - PACKED_AT, path)[0] is None:
         named = data.find(PACKED, named + 1, end + PACKED_AT)

@@ -1,6 +1,6 @@
-"""Messages beside the records, for other people's viewers: markers, a coloured picture and a line of log each.
+"""Messages for third-party viewers, written beside the records: markers, a coloured picture and log lines.
 
-They repeat what the records say and are never read back, so they know the records' topics and fields by name.
+They repeat what the records contain and are never read back, so records' topics and fields are named here directly.
 """
 
 from __future__ import annotations
@@ -24,19 +24,19 @@ TOPICS = (MARKERS, PICTURE, LOG)
 INFO = 20
 CUBE_LIST, LINE_LIST, TEXT, DELETE_ALL = 6, 5, 9, 3
 PICTURE_TO_PX = 4096
-"""Longest side of the picture; a larger map is shown by every second, third, ... cell."""
+"""Longest side of the picture; a larger map is subsampled to every second, third, ... cell."""
 GREYS = 3
-"""Colours of the palette before the rooms' hues: free, unknown, occupied."""
+"""Number of palette colours before the rooms' hues: free, unknown, occupied."""
 HUES = 251
 
 Segments = NDArray[np.float64]
-"""Lines (k, 2, 2) as start and end, each x, y in metres."""
+"""Line segments (k, 2, 2): start and end, each x, y in metres."""
 
 
 def for_viewers(
     record: Record, *, time_ns: int, cells: NDArray[np.int8] | None
 ) -> Iterator[tuple[str, str, memoryview]]:
-    """Topic, ROS type and CDR bytes of what viewers get beside a record; `cells` is the map as it was read."""
+    """Topic, ROS type and CDR bytes of the viewer messages for a record; `cells` is the input map."""
     yield LOG, "rcl_interfaces/msg/Log", ros.pack(_log(record, time_ns))
     if record.topic in DRAW:
         yield MARKERS, "visualization_msgs/msg/MarkerArray", ros.pack(_markers(record, time_ns))
@@ -50,7 +50,7 @@ def _log(record: Record, time_ns: int) -> Any:
 
 
 def _initial(record: Any) -> tuple[Segments, NDArray[np.float64], Segments]:
-    """Doors, region centres and graph lines (door's middle to each region it borders) of the initial map."""
+    """Doors, region centres and graph lines (from a door's middle to each region it borders) of the initial map."""
     world = record.frame.world_from_cell
     doors = np.stack([world(record.start), world(record.end)], axis=1)
     centres_m = world(record.centre)
@@ -59,7 +59,7 @@ def _initial(record: Any) -> tuple[Segments, NDArray[np.float64], Segments]:
 
 
 def _final(record: Any) -> tuple[Segments, NDArray[np.float64], Segments]:
-    """Doors, room centres and graph lines (door's middle to both of its rooms) of the final map."""
+    """Doors, room centres and graph lines (from a door's middle to both of its rooms) of the final map."""
     doors = np.stack([record.start_m, record.end_m], axis=1)
     centres_m = record.frame.world_from_cell(record.centre)
     door, ids = np.arange(len(doors)), np.array(_room_ids(record), np.int64)
@@ -70,7 +70,7 @@ def _final(record: Any) -> tuple[Segments, NDArray[np.float64], Segments]:
 
 
 def _room_ids(record: Any) -> Sequence[int]:
-    """Ids of the final map's rooms; numbers from 1 on where its rows are not those of its labels."""
+    """Ids of the final map's rooms; 1, 2, ... if the labels do not have one id per row."""
     try:
         found: Sequence[int] = record.room_ids
     except RecordingError:
@@ -79,7 +79,7 @@ def _room_ids(record: Any) -> Sequence[int]:
 
 
 def _room_texts(record: Any) -> list[str]:
-    """What is written on the rooms: names, or else numbers."""
+    """Labels of the rooms: names, or numbers for unnamed rooms and for regions."""
     if record.topic == "initial_map":
         return [str(region) for region in range(len(record.centre))]
     numbers = _room_ids(record)
@@ -90,14 +90,14 @@ DRAW = {"initial_map": _initial, "map": _final}
 
 
 def _links(doors: Segments, centres_m: NDArray[np.float64], *, door: NDArray[Any], room: NDArray[Any]) -> Segments:
-    """Lines from the middle of each door to a room's centre, where both are there."""
-    there = (door >= 0) & (door < len(doors)) & (room >= 0) & (room < len(centres_m))
-    middles_m = doors[door[there]].mean(axis=1)
-    return np.stack([middles_m, centres_m[room[there]]], axis=1)
+    """Lines from the middle of each door to a room's centre, for pairs where both exist."""
+    both = (door >= 0) & (door < len(doors)) & (room >= 0) & (room < len(centres_m))
+    middles_m = doors[door[both]].mean(axis=1)
+    return np.stack([middles_m, centres_m[room[both]]], axis=1)
 
 
 def _markers(record: Record, time_ns: int) -> Any:
-    """All that is drawn of one graph; it takes the place of the graph before."""
+    """All markers of one graph; they replace those of the previous graph."""
     doors, centres_m, links = DRAW[record.topic](record)
     size_m = record.frame.resolution_m  # type: ignore[attr-defined]  # both graphs have one
     ids = iter(range(len(centres_m) + 4))
@@ -127,7 +127,7 @@ def _marker(
     size_m: float = 0.0,
     rgb: tuple[float, float, float] = (0.0, 0.0, 0.0),
 ) -> Any:
-    """Marker of one kind; fields that the kind does not use are empty."""
+    """Marker of one kind; fields that the kind does not use stay empty."""
     none = np.zeros(0, np.uint8)
     header = ros.header(time_ns)
     colour = dict(zip("rgb", rgb, strict=True))
@@ -156,7 +156,7 @@ def _marker(
 
 
 def _picture(record: Any, time_ns: int, *, cells: NDArray[np.int8]) -> Any:
-    """Rooms in colour over the map as it was read, as a PNG with a palette."""
+    """Rooms in colour over the input map, as a PNG with a palette."""
     from PIL import Image  # noqa: PLC0415  # only a recording needs it
 
     every = -(-max(record.labels.shape) // PICTURE_TO_PX) or 1
@@ -173,12 +173,12 @@ def _picture(record: Any, time_ns: int, *, cells: NDArray[np.int8]) -> Any:
 
 
 _GREY = np.array([0] * (FREE_TO + 1) + [2] * (127 - FREE_TO) + [1] * 128, np.uint8)
-"""Place in the palette of each value of a cell as an unsigned byte: -1 is 255."""
+"""Palette index of each cell value, taken as an unsigned byte: -1 is 255."""
 
 
 @functools.cache
 def _palette() -> bytes:
-    """Free, unknown, occupied, then a hue a room, neighbours in number far apart in hue."""
+    """Free, unknown, occupied, then one hue per room; consecutive room numbers get distant hues."""
     golden = 0.618034
     rooms = [colorsys.hsv_to_rgb(i * golden % 1, 0.55, 0.95) for i in range(HUES)]
     greys = [254] * 3 + [205] * 3 + [0] * 3

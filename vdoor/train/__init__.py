@@ -1,4 +1,4 @@
-"""Fit the curves that score doors, from synthetic maps and, if wanted, maps somebody has labelled."""
+"""Fitting the curves that score doors, to synthetic maps and optionally to labelled maps."""
 
 from __future__ import annotations
 
@@ -38,20 +38,20 @@ __all__ = [
 
 
 def default_pipeline() -> Pipeline:
-    """The one whose virtual doors are scored."""
+    """The preset `default`, whose virtual doors are scored."""
     pipeline = PRESETS["default"]
     assert isinstance(pipeline, Pipeline)
     return pipeline
 
 
 def write_model(path: Path, model: DoorModel) -> None:
-    """The model as JSON, one curve a line."""
+    """Write the model as JSON, one curve per line."""
     table = table_of(model)
-    passes = [f' "{name}": {_one_curve_a_line(table.pop(name))}' for name in ("first", "last")]
+    passes = [f' "{name}": {_one_curve_per_line(table.pop(name))}' for name in ("first", "last")]
     head = [f" {json.dumps(name)}: {json.dumps(value)}" for name, value in table.items()]
     write_whole(path, "{{\n{}\n}}\n".format(",\n".join([*head, *passes])).encode())
 
 
-def _one_curve_a_line(look: dict[str, Any]) -> str:
-    curves = ",\n".join(f"   {json.dumps(name)}: {json.dumps(curve)}" for name, curve in look["curves"].items())
-    return f'{{\n  "bias": {json.dumps(look["bias"])},\n  "curves": {{\n{curves}\n  }}\n }}'
+def _one_curve_per_line(one_pass: dict[str, Any]) -> str:
+    curves = ",\n".join(f"   {json.dumps(name)}: {json.dumps(curve)}" for name, curve in one_pass["curves"].items())
+    return f'{{\n  "bias": {json.dumps(one_pass["bias"])},\n  "curves": {{\n{curves}\n  }}\n }}'

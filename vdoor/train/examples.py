@@ -1,4 +1,4 @@
-"""Virtual doors of maps whose real doors are known, synthetic or labelled: what the curves are fitted to."""
+"""Training examples: virtual doors of maps with known real doors, synthetic or labelled."""
 
 from __future__ import annotations
 
@@ -27,7 +27,10 @@ from vdoor.synth import Home, Office, SyntheticMap, synthesize
 Floats = NDArray[np.float64]
 
 HIT_M, MISS_M, UNSURE_M = 0.3, 0.5, 1.0
-"""A virtual door is real with its middle this near to a real one's, not one from there on; in between nobody asks."""
+"""Distances between the middles of a virtual and a real door: real up to HIT_M, not real from MISS_M, ignored between.
+
+Near unsure doors, virtual doors that are not real are ignored up to UNSURE_M.
+"""
 COARSE_EVERY = 4
 MOST_TURNED_RAD = math.radians(35)
 
@@ -41,11 +44,11 @@ class RealDoors:
     end_m: Floats
     width_m: Floats
     unsure: NDArray[np.bool_]
-    """Counts for nobody, found or not."""
+    """Whether a door (k,) is ignored, found or not."""
 
     @property
     def middle_m(self) -> Floats:
-        """(k, 2) as x, y."""
+        """Middle of each door (k, 2) as x, y."""
         return (self.start_m + self.end_m) / 2
 
     @property
@@ -66,7 +69,7 @@ def real_doors(made: SyntheticMap) -> RealDoors:
 
 
 def marked_real(ends: Floats, widths_m: Floats, frame: Frame, unsure_ends: Floats | None = None) -> RealDoors:
-    """Real doors from ends (k, 2, 2) as row, col, and those that are unsure."""
+    """Real doors from ends (k, 2, 2) as row, col, and unsure doors from `unsure_ends` (j, 2, 2)."""
     both = ends if unsure_ends is None else np.concatenate([ends, unsure_ends])
     start_m, end_m = (frame.world_from_cell(both[:, at]) for at in (0, 1))
     unsure = np.arange(len(both)) >= len(ends)
@@ -76,7 +79,7 @@ def marked_real(ends: Floats, widths_m: Floats, frame: Frame, unsure_ends: Float
 
 @dataclass(frozen=True, eq=False)
 class Examples:
-    """Virtual doors of one map: features (k, features), which are real, and how much each counts."""
+    """Virtual doors of one map: features (k, features), whether each is real (k,), and its weight (k,)."""
 
     feature: Floats
     real: Floats
@@ -85,7 +88,7 @@ class Examples:
 
 
 class TrainingMap(NamedTuple):
-    """A map, its real doors, and how much they count."""
+    """A map, its real doors, and their weight."""
 
     grid: OccupancyGrid
     real: RealDoors
@@ -93,16 +96,16 @@ class TrainingMap(NamedTuple):
 
 
 Draw = Callable[[], TrainingMap]
-"""A training_map that is drawn, or read, when it is asked for: the same each time."""
+"""Draws or reads a training map, the same on each call."""
 
 
 def known(training_map: TrainingMap) -> Draw:
-    """A training_map that is there already."""
+    """Draw that returns a given training map."""
     return lambda: training_map
 
 
 def synthetic_maps(homes: int, offices: int, seed: int) -> list[Draw]:
-    """So many synthetic homes and office floors; equal seeds give equal ones."""
+    """Draws of `homes` synthetic homes and `offices` office floors; equal seeds give equal maps."""
     numbers = [(0, index) for index in range(homes)] + [(1, index) for index in range(offices)]
     return [partial(drawn_map, number, index, seed) for number, index in numbers]
 
@@ -121,7 +124,7 @@ def drawn_kind(number: int, index: int) -> Home | Office:
 
 
 def examples(training_map: TrainingMap, pipeline: Pipeline, first_pass: Curves | None = None) -> Examples:
-    """The proposed doors of a map as examples: of pass 1, or, where that is learnt, of pass 2."""
+    """The proposed doors of a map as examples: for pass 1, or, given the curves of pass 1, for pass 2."""
     simplified, path, corners, doors = pipeline.propose(training_map.grid)
     rows = np.flatnonzero(doors.verdict == PROPOSED)
     segments = Segments(doors, rows)
@@ -140,7 +143,7 @@ def examples(training_map: TrainingMap, pipeline: Pipeline, first_pass: Curves |
 
 
 def judged(start_m: Floats, end_m: Floats, real: RealDoors) -> tuple[Floats, Floats]:
-    """Whether each segment (k,) is a real door, 0 or 1, and its weight, 0 where nobody can say."""
+    """Whether each segment (k,) is a real door, 0 or 1, and its weight, 0 if that is uncertain."""
     middle_m = (start_m + end_m) / 2
     label, weight = np.zeros(len(middle_m)), np.ones(len(middle_m))
     sure = ~real.unsure
@@ -163,7 +166,7 @@ def judged(start_m: Floats, end_m: Floats, real: RealDoors) -> tuple[Floats, Flo
 def labelled_maps(
     maps: Path, reference: Path, *, weight: float = 1.0, bare: Path | None = None, resolution_m: float | None = None
 ) -> list[TrainingMap]:
-    """Every map in a folder that a reference serves by its name; VdoorError where there is none."""
+    """Every map in a folder with a reference of its name; `VdoorError` if there is none."""
     choice = Choice(reference=reference, bare=bare, resolution_m=resolution_m)
     return [_of_trial(trial, weight) for trial in read_trials(maps, choice).trials]
 

@@ -1,4 +1,4 @@
-"""Curves that make examples likeliest, kept smooth and small: a logistic regression on shares of knots."""
+"""Maximum-likelihood curves with penalties on bends and values: a logistic regression on piecewise linear bases."""
 
 from __future__ import annotations
 
@@ -19,26 +19,26 @@ from vdoor.train.examples import Draw, Examples, examples
 Floats = NDArray[np.float64]
 
 FIRST_EVERY = 3
-"""One map in three is enough for the first look."""
+"""Pass 1 is fitted to every third map, which is enough."""
 QUANTILES = (0.01, 0.1, 0.25, 0.5, 0.75, 0.9, 0.99)
-"""Where curves bend."""
+"""Quantiles of a feature's values that are knots of its curve."""
 SMOOTH, RIDGE, TOGETHER = 10.0, 2.0, 10.0
-"""How strongly bends, values, and the difference between clean and ragged maps are held down."""
+"""Weights of the penalties on bends, on values, and on differences between the curves of clean and rough maps."""
 
 
 def fitted_model(training_maps: Sequence[Draw], pipeline: Pipeline, made: dict[str, Any]) -> DoorModel:
-    """Curves for both passes; `made` is completed by what the maps held."""
+    """Curves for both passes; the numbers of examples and real doors are added to `made`."""
     first = fitted([examples(training_map(), pipeline) for training_map in training_maps[::FIRST_EVERY]], FIRST)
     data = [examples(training_map(), pipeline, first) for training_map in training_maps]
-    said = sum(int((part.weight > 0).sum()) for part in data)
+    count = sum(int((part.weight > 0).sum()) for part in data)
     real = sum(int(part.real.sum()) for part in data)
     return DoorModel(
-        first, fitted(data, FEATURES, clean_only=SHUT), Rough(), {**made, "examples": said, "real_doors": real}
+        first, fitted(data, FEATURES, clean_only=SHUT), Rough(), {**made, "examples": count, "real_doors": real}
     )
 
 
 def mean_of(models: Sequence[DoorModel], made: dict[str, Any]) -> DoorModel:
-    """The mean of models fitted to different maps: which near calls it makes is left less to chance."""
+    """Mean of models fitted to different maps, which makes close decisions depend less on chance."""
     counts = {name: sum(model.made[name] for model in models) for name in ("examples", "real_doors")}
     return DoorModel(
         mean_curves([model.first for model in models]),
@@ -49,7 +49,7 @@ def mean_of(models: Sequence[DoorModel], made: dict[str, Any]) -> DoorModel:
 
 
 def mean_curves(fits: Sequence[Curves]) -> Curves:
-    """The mean of several models' curves for one look; each bends where the first model's does."""
+    """Mean of several models' curves for one pass, at the knots of the first model."""
     curves = {}
     for name, curve in fits[0].curves.items():
         same = [fit.curves[name] for fit in fits]
@@ -60,7 +60,7 @@ def mean_curves(fits: Sequence[Curves]) -> Curves:
 
 
 def short(values: Floats) -> tuple[float, ...]:
-    """Log-odds as they are written: with four places."""
+    """Log-odds rounded to four decimals, as in the file."""
     return tuple(float(f"{value:.4f}") for value in values)
 
 
@@ -73,9 +73,9 @@ def fitted(
     ridge: float = RIDGE,
     together: float = TOGETHER,
 ) -> Curves:
-    """The curves that make the examples likeliest, kept smooth and small.
+    """Maximum-likelihood curves for the examples, with penalties on bends and values.
 
-    Features that are `clean_only` say nothing of ragged maps, where furniture is taken for doors.
+    Features in `clean_only` have no effect on rough maps, where furniture is taken for doors.
     """
     feature, real, weight, share = (
         np.concatenate(parts)
@@ -93,7 +93,7 @@ def fitted(
     both = np.concatenate([np.full(len(at), name not in clean_only) for name, at in zip(names, knots, strict=True)])
     columns = [hats * (1 - share)[:, None], (hats * share[:, None])[:, both], np.stack([1 - share, share], axis=1)]
     basis = np.concatenate(columns, axis=1)
-    found = likeliest(basis, real, weight, _holding(penalties(knots, smooth, ridge), both, together))
+    found = likeliest(basis, real, weight, _full_penalty(penalties(knots, smooth, ridge), both, together))
 
     clean, rough = found[: len(both)], np.zeros(len(both))
     rough[both] = found[len(both) : -2]
@@ -108,38 +108,38 @@ def fitted(
     return Curves(curves, *short(found[-2:]))
 
 
-def likeliest(basis: Floats, real: Floats, weight: Floats, holding: Floats) -> Floats:
-    """Coefficients (c,) of a logistic regression on `basis` (n, c), held by the quadratic form (c, c)."""
+def likeliest(basis: Floats, real: Floats, weight: Floats, penalty: Floats) -> Floats:
+    """Coefficients (c,) of a logistic regression on `basis` (n, c), with a quadratic penalty (c, c)."""
 
     def loss(c: Floats) -> tuple[float, Floats]:
-        z, held = basis @ c, holding @ c
-        value = float((weight * (np.logaddexp(0, z) - real * z)).sum()) + 0.5 * float(c @ held)
-        return value, basis.T @ (weight * (1 / (1 + np.exp(-z)) - real)) + held
+        z, gradient = basis @ c, penalty @ c
+        value = float((weight * (np.logaddexp(0, z) - real * z)).sum()) + 0.5 * float(c @ gradient)
+        return value, basis.T @ (weight * (1 / (1 + np.exp(-z)) - real)) + gradient
 
     found = minimize(loss, np.zeros(basis.shape[1]), jac=True, method="L-BFGS-B", options={"maxiter": 400})
     return np.asarray(found.x)
 
 
-def _holding(penalty: Floats, both: NDArray[np.bool_], together: float) -> Floats:
-    """The quadratic form on clean and rough values and the two biases, which are free."""
+def _full_penalty(penalty: Floats, both: NDArray[np.bool_], together: float) -> Floats:
+    """Quadratic penalty on clean and rough values; the two biases are not penalised."""
     clean, rough = np.arange(len(both)), len(both) + np.arange(np.count_nonzero(both))
-    holding = np.zeros((len(both) + len(rough) + 2,) * 2)
-    holding[np.ix_(clean, clean)] = penalty
-    holding[np.ix_(rough, rough)] = penalty[np.ix_(both, both)]
+    full = np.zeros((len(both) + len(rough) + 2,) * 2)
+    full[np.ix_(clean, clean)] = penalty
+    full[np.ix_(rough, rough)] = penalty[np.ix_(both, both)]
     for one, other in ((clean[both], rough), (rough, clean[both])):
-        holding[one, one] += together
-        holding[one, other] -= together
-    return holding
+        full[one, one] += together
+        full[one, other] -= together
+    return full
 
 
 def knots_of(column: Floats) -> Floats:
-    """Values at which a feature's curve may bend, ascending; at least two."""
+    """Knots of a feature's curve, ascending; at least two."""
     at = np.unique([float(f"{x:.4g}") for x in np.quantile(column, QUANTILES)])
     return at if len(at) > 1 else np.array([at[0], at[0] + 1.0])
 
 
 def hat_basis(column: Floats, at: Floats) -> Floats:
-    """Shares (n, knots) of the knots in each value, as linear interpolation has them."""
+    """Weights (n, knots) of the knots for each value, in linear interpolation."""
     x = np.clip(column, at[0], at[-1])
     right = np.clip(np.searchsorted(at, x, "right"), 1, len(at) - 1)
     share = (x - at[right - 1]) / (at[right] - at[right - 1])
@@ -150,7 +150,7 @@ def hat_basis(column: Floats, at: Floats) -> Floats:
 
 
 def penalties(knots: Iterable[Floats], smooth: float, ridge: float) -> Floats:
-    """The quadratic form that keeps curves smooth (bends) and small (values)."""
+    """Quadratic penalty on the bends and values of all curves, as a block diagonal matrix."""
     blocks = []
     for at in knots:
         block = ridge * np.eye(len(at))

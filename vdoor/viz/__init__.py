@@ -1,1 +1,1 @@
-"""Pictures of records: the Rerun recording and the terminal."""
+"""Visualisation of records: the Rerun recording, the terminal and charts."""

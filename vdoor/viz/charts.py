@@ -1,4 +1,4 @@
-"""Sweeps as one picture: a row for each setting, a column for each panel. Equal sweeps give equal bytes."""
+"""Sweeps as one picture: one row per setting, one column per panel. Equal sweeps give equal bytes."""
 
 from __future__ import annotations
 
@@ -41,15 +41,15 @@ NOTE_IN = 0.35
 OWN: Colour = (110, 114, 122)
 FAILED: Colour = (214, 30, 50)
 FAILED_ABOVE = 0.06
-"""Where it is said how many, as a share."""
+"""Height of the text with the number of failed maps, on the panel's axis."""
 TICKS = 6
 MOST_WORDS = 4
-"""More words below an axis are turned."""
+"""With more words below an axis, they are rotated."""
 
 
 DOTS_PER_INCH = 100
-LOOK: dict[str, Any] = {
-    "font.family": "DejaVu Sans",  # comes with matplotlib, so that the machine's fonts do not matter
+STYLE: dict[str, Any] = {
+    "font.family": "DejaVu Sans",  # comes with matplotlib, so independent of the machine's fonts
     "font.size": 9,
     "axes.titlesize": 9,
     "axes.spines.top": False,
@@ -61,7 +61,7 @@ LOOK: dict[str, Any] = {
 
 
 def sweep_png(points: Sequence[Point]) -> bytes:
-    """The charts as a PNG; VdoorError without matplotlib."""
+    """The charts as a PNG; `VdoorError` without matplotlib."""
     sweeps = by_setting(points)
     shared = [limits(panel, sweeps.values()) if panel.alike else None for panel in PANELS]
     with drawing(PANEL_IN[0] * len(PANELS), PANEL_IN[1] * len(sweeps) + NOTE_IN) as figure:
@@ -75,7 +75,7 @@ def sweep_png(points: Sequence[Point]) -> bytes:
 def draw_sweep(
     row: SubFigure, points: Sequence[Point], shared: Sequence[tuple[float, float] | None], *, first: bool
 ) -> None:
-    """All panels of one sweep, side by side; the first one of a picture has the legends."""
+    """Draw all panels of one sweep side by side; only the first sweep of a picture has legends."""
     axis = axis_of(points)
     setting = points[0].setting
     title = f"{setting.meaning} Preset: {axis.texts[axis.own]}"
@@ -90,7 +90,7 @@ def draw_sweep(
 
 
 def draw_panel(axes: Axes, panel: Panel, points: Sequence[Point], axis: Axis) -> None:
-    """One panel of one sweep."""
+    """Draw one panel of one sweep."""
     axes.axvline(axis.places[axis.own], color=shade(OWN), linewidth=1.0, linestyle=":")
     axes.axhline(0.0, color="0.6", linewidth=0.6)
     for behind, line in enumerate(reversed(panel.lines)):
@@ -108,7 +108,10 @@ def draw_panel(axes: Axes, panel: Panel, points: Sequence[Point], axis: Axis) ->
 
 
 def draw_line(axes: Axes, line: Line, series: Series, axis: Axis, *, behind: int) -> None:
-    """One figure: a line over numbers, points over words; the more are in front of it the wider it is, to be seen."""
+    """Draw one figure: a line over numbers, points over words.
+
+    `behind` is the number of lines drawn over it: it is wider by that much, to stay visible.
+    """
     colour, size = shade(line.colour), 1.3 + 0.7 * behind
     axes.plot(
         axis.places,
@@ -130,7 +133,7 @@ def draw_line(axes: Axes, line: Line, series: Series, axis: Axis, *, behind: int
 
 
 def draw_failed(axes: Axes, points: Sequence[Point], axis: Axis) -> None:
-    """A cross and a number where maps failed."""
+    """Draw a cross and a count where maps failed."""
     for place, point in zip(axis.places, points, strict=True):
         if point.failed:
             axes.plot(place, 0.0, "x", color=shade(FAILED), clip_on=False, zorder=5)
@@ -141,13 +144,13 @@ def draw_failed(axes: Axes, points: Sequence[Point], axis: Axis) -> None:
 
 
 def shade(colour: Colour) -> tuple[float, float, float]:
-    """The colour as matplotlib has it."""
+    """A colour for matplotlib, as fractions."""
     red, green, blue = colour
     return red / 255, green / 255, blue / 255
 
 
 def require_matplotlib() -> None:
-    """VdoorError that says how to install it, where it is missing."""
+    """Raise `VdoorError` with the way to install matplotlib if it is missing."""
     if importlib.util.find_spec("matplotlib") is None:
         raise VdoorError(
             "pictures: wanted matplotlib, found none; in a checkout, `pip install -e '.[plots]'` installs it"
@@ -156,20 +159,20 @@ def require_matplotlib() -> None:
 
 @contextmanager
 def drawing(width_in: float, height_in: float) -> Iterator[Figure]:
-    """An empty picture; within the block all has the same look, whatever the user's own settings of matplotlib are."""
+    """An empty picture; within the block the style is fixed, whatever the user's own matplotlib settings are."""
     require_matplotlib()
     from matplotlib import style  # noqa: PLC0415
     from matplotlib.backends.backend_agg import FigureCanvasAgg  # noqa: PLC0415
     from matplotlib.figure import Figure  # noqa: PLC0415
 
-    with style.context(["default", LOOK]):
+    with style.context(["default", STYLE]):
         figure = Figure(figsize=(width_in, height_in), dpi=DOTS_PER_INCH, layout="constrained")
         FigureCanvasAgg(figure)
         yield figure
 
 
 def to_png(figure: Figure) -> bytes:
-    """The picture as a PNG of 256 colours that says nothing of program or date."""
+    """The picture as a PNG of 256 colours, without metadata on program and date."""
     from PIL import Image  # noqa: PLC0415
 
     buffer = io.BytesIO()

@@ -1,4 +1,4 @@
-"""What is drawn of a sweep, whatever draws it: panels of lines over the swept value."""
+"""Charts of a sweep, independent of the drawing library: panels of lines over the swept value."""
 
 from __future__ import annotations
 
@@ -20,17 +20,17 @@ ORANGE: Colour = (224, 120, 20)
 PURPLE: Colour = (150, 40, 190)
 Numbers = NDArray[np.float64]
 SPARE = 0.05
-"""Share of an axis left beyond the lines."""
+"""Margin of an axis beyond its lines, as a fraction."""
 
 
 class Line(NamedTuple):
-    """One figure."""
+    """One line of a panel: one figure over the swept value."""
 
     name: str
     figure: str
     colour: Colour
     band: bool = False
-    """Its spread over the maps is drawn as well."""
+    """Whether its spread over the maps is drawn as well."""
 
 
 class Panel(NamedTuple):
@@ -40,14 +40,14 @@ class Panel(NamedTuple):
     unit: str
     lines: tuple[Line, ...]
     most: float | None = None
-    """Where the axis ends; None: where the lines do."""
+    """Upper end of the axis; None to fit the lines."""
     alike: bool = True
-    """All sweeps have the same axis, so that they can be compared by eye."""
+    """Whether all sweeps have the same axis, so that they can be compared by eye."""
 
 
 PANELS = (
     Panel(
-        "Doors right",
+        "Door detection",
         "share",
         (
             Line("precision", "door_precision", ORANGE),
@@ -67,37 +67,37 @@ PANELS = (
         "per map",
         (Line("corners", "corners", ORANGE, band=True), Line("proposed doors", "proposed", BLUE, band=True)),
     ),
-    Panel("Cost", "of the choice", (Line("cost", "cost", DARK, band=True),), alike=False),
+    Panel("Cost", "of the kept doors", (Line("cost", "cost", DARK, band=True),), alike=False),
 )
-"""Cost is not alike in all sweeps: its own weights are among what is swept."""
+"""The cost has its own axis in each sweep, as its weights may be swept."""
 NOTE = (
-    "Lines: mean of {maps}; bands: one standard deviation to either side; upright line: the preset's own value; "
-    "matched / virtual: of all doors together"
+    "Lines: mean of {maps}; bands: plus and minus one standard deviation; vertical line: value of the preset; "
+    "matched / virtual: over the doors of all maps"
 )
 
 
 class Series(NamedTuple):
-    """A line's numbers, one for each value; nan where there is none."""
+    """Numbers of a line, one per swept value; nan if unknown."""
 
     mean: Numbers
     low: Numbers
     high: Numbers
-    """A standard deviation below and above, within what the axis has."""
+    """One standard deviation below and above, within the axis."""
 
 
 class Axis(NamedTuple):
-    """Where the values of a setting stand."""
+    """Positions of a setting's values on the axis."""
 
     places: Numbers
     numeric: bool
-    """The places are the values; else they are 0, 1, ... and the values are words."""
+    """Whether the positions are the values; otherwise they are 0, 1, ... and the values are words."""
     texts: tuple[str, ...]
     own: int
-    """Which of them is the preset's own."""
+    """Index of the preset's own value."""
 
 
 def axis_of(points: Sequence[Point]) -> Axis:
-    """Places of the points' values."""
+    """Axis of the points' values."""
     values: list[Any] = [point.value for point in points]
     numeric = all(isinstance(value, int | float) and not isinstance(value, bool) for value in values)
     places = np.array(values if numeric else range(len(values)), np.float64)
@@ -106,7 +106,7 @@ def axis_of(points: Sequence[Point]) -> Axis:
 
 
 def series_of(points: Sequence[Point], line: Line, panel: Panel) -> Series:
-    """The numbers of one line; of matched / virtual, which is one number of all maps together, the band is none."""
+    """Numbers of one line; matched / virtual is one number for all maps together, so its band is empty."""
     if line.figure == "accuracy":
         mean = np.array([point.figures.get(line.figure, np.nan) for point in points])
         return Series(mean, mean, mean)
@@ -117,7 +117,7 @@ def series_of(points: Sequence[Point], line: Line, panel: Panel) -> Series:
 
 
 def limits(panel: Panel, sweeps: Iterable[Sequence[Point]]) -> tuple[float, float]:
-    """Where a panel's axis begins and ends, with 0 on it and a little to spare."""
+    """Lower and upper end of a panel's axis, including 0 and a margin."""
     series = [series_of(points, line, panel) for points in sweeps for line in panel.lines]
     numbers = np.concatenate([np.concatenate([one.low, one.high]) for one in series] or [np.zeros(1)])
     numbers = numbers[np.isfinite(numbers)]
@@ -127,11 +127,11 @@ def limits(panel: Panel, sweeps: Iterable[Sequence[Point]]) -> tuple[float, floa
 
 
 def label_of(setting: Setting) -> str:
-    """What stands at the axis of values."""
+    """Label of the axis of values."""
     return f"{setting.name} ({setting.unit})" if setting.unit else setting.name
 
 
 def maps_of(points: Sequence[Point]) -> str:
-    """How many maps."""
+    """Number of maps as text."""
     count = len(points[0].maps)
     return f"{count} maps" if count > 1 else "the map"

@@ -1,4 +1,4 @@
-"""Report: one web page that holds all it shows, to be opened from a file without a network."""
+"""Report: one self-contained web page, to be opened from a file without a network."""
 
 from __future__ import annotations
 
@@ -28,36 +28,36 @@ from vdoor.viz.rerun import style
 __all__ = ["Provenance", "to_report"]
 
 MARGIN = 0.02
-"""Of the longer side of what has rooms."""
+"""Margin around the rooms, as a fraction of their longer side."""
 MOST_POINTS = 1000
-"""Generations that the curve shows at most, those that found something better among them."""
+"""Maximum number of generations in the curve; those that improved the best cost are included if they fit."""
 
 
 def to_report(topology: TopologicalMap, provenance: Provenance | None = None) -> str:
     """HTML: the map with a switch for each stage, tables of rooms and doors, cost curve, settings.
 
-    Without provenance it shows rooms and doors alone. Numbers are rounded for reading; the other formats have them in
-    full. Equal runs give equal pages. Raises `VdoorError` where records hold what cannot be drawn.
+    Without provenance only rooms and doors are shown. Numbers are rounded for reading; the other formats have them in
+    full. Equal runs give equal pages. Raises `VdoorError` if records contain values that cannot be drawn.
     """
     refuse_not_finite(topology)
-    told = _told(topology, provenance)
+    data = _page_data(topology, provenance)
     try:
-        text = json.dumps(told, separators=(",", ":"), allow_nan=False)
+        text = json.dumps(data, separators=(",", ":"), allow_nan=False)
     except ValueError as error:  # a recording can hold any number
         raise VdoorError(f"report: wanted finite numbers, found others ({error})") from error
     parts = {name: _part(f"page.{name}") for name in ("css", "js")}
     return Template(_part("page.html")).substitute(
         parts,
         title=html.escape(printable(provenance.name if provenance else "map")),
-        # Only this very script and style are run, whatever else the page could be made to hold.
+        # Content security policy: no other script or style runs, whatever texts the page contains.
         css_digest=_digest(parts["css"]),
         js_digest=_digest(parts["js"]),
-        told=text.replace("<", "\\u003c"),  # or text could end the element that it stands in
+        data=text.replace("<", "\\u003c"),  # otherwise text could end its script element
     )
 
 
-def _told(topology: TopologicalMap, provenance: Provenance | None) -> dict[str, Any]:
-    """All that the page shows."""
+def _page_data(topology: TopologicalMap, provenance: Provenance | None) -> dict[str, Any]:
+    """Data of the page, by name."""
     sheet, frame = Sheet(topology.frame), topology.frame
     (x_m, y_m), (to_right_x_m, to_right_y_m), (down_x_m, down_y_m) = frame.world_from_cell(
         np.array([(-0.5, -0.5), (-0.5, 0.5), (0.5, -0.5)])
@@ -95,7 +95,7 @@ def _facts(topology: TopologicalMap, provenance: Provenance | None) -> list[tupl
 
 
 def _view(topology: TopologicalMap) -> list[float]:
-    """Left, top, width and height of what has rooms, with a margin."""
+    """Left, top, width and height of the bounding box of all rooms, in cells, with a margin."""
     cells = np.argwhere(topology.labels)
     (top, left), (height, width) = cells.min(axis=0).tolist(), (np.ptp(cells, axis=0) + 1).tolist()
     margin = max(MARGIN * max(height, width), 1.0)
@@ -122,11 +122,11 @@ def _rooms(topology: TopologicalMap, sheet: Sheet) -> list[dict[str, Any]]:
 
 
 def _doors(topology: TopologicalMap, sheet: Sheet) -> list[dict[str, Any]]:
-    told = []
+    rows = []
     for door in topology.doors:
         ends = sheet.world_points(np.array(line_m(topology, door)))
         middle_m = np.mean([door.start_m, door.end_m], axis=0).round(3)
-        told.append(
+        rows.append(
             {
                 "id": door.id,
                 "rooms": door.rooms,
@@ -139,11 +139,11 @@ def _doors(topology: TopologicalMap, sheet: Sheet) -> list[dict[str, Any]]:
                 "d": polyline(ends),
             }
         )
-    return told
+    return rows
 
 
 def _curve(search: ConvergenceHistory) -> dict[str, Any]:
-    """Costs of the generations shown, and which doors each keeps or removes other than the one before it."""
+    """Costs of the generations shown, and the edges that each flips relative to the one shown before it."""
     best = search.numbers("best_cost")
     better = np.flatnonzero(np.diff(best, prepend=np.inf) < 0)
     shown = np.linspace(0, len(search) - 1, min(len(search), MOST_POINTS)).astype(int)
@@ -161,12 +161,12 @@ def _curve(search: ConvergenceHistory) -> dict[str, Any]:
 
 
 def _finite(values: np.ndarray[Any, np.dtype[np.float64]]) -> list[float | None]:
-    """Numbers as JSON has them: none where they are not finite."""
+    """Numbers for JSON: None if not finite."""
     return [value if np.isfinite(value) else None for value in values.tolist()]
 
 
 def _numbers(provenance: Provenance) -> Iterator[tuple[str, str, str]]:
-    """The single numbers that stages give: stage, name, and value with its unit."""
+    """Scalars of the stages' records: stage, name, and value with its unit."""
     last = [provenance.run.search[-1]] if len(provenance.run.search) else []
     for record in [*provenance.records, *last]:
         for name, (spec, _) in specs(type(record)).items():
@@ -175,7 +175,7 @@ def _numbers(provenance: Provenance) -> Iterator[tuple[str, str, str]]:
 
 
 def _settings(provenance: Provenance) -> Iterator[tuple[str, str, str]]:
-    """Every setting, stage after stage as in the method: stage, name, value."""
+    """Every setting, in the order of the method's stages: stage, name, value."""
     order = [field.name for field in fields(Pipeline)]
     stages = sorted(provenance.settings, key=lambda name: (order.index(name) if name in order else len(order), name))
     for stage in stages:
@@ -189,5 +189,5 @@ def _part(name: str) -> str:
 
 
 def _digest(text: str) -> str:
-    """What a content security policy calls a text by."""
+    """Digest of a text in the format of a content security policy."""
     return f"sha256-{base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()}"

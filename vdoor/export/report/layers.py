@@ -1,4 +1,4 @@
-"""How each stage is drawn on the page: one function a record, and the table of them."""
+"""How each stage is drawn in the report: one function per record, and the table of them."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from vdoor.viz.rerun.restrictions import restrictions
 
 Drawn = Iterator[Layer]
 FREE, BETWEEN, OCCUPIED = 1, 2, 3
-"""Unknown is 0: in the order in which they must not be lost where a raster is reduced."""
+"""Codes of cell states, unknown is 0; a reduced raster keeps the highest code."""
 CELLS: dict[int, tuple[style.Colour, str]] = {
     0: (style.UNKNOWN, "unknown"),
     FREE: (style.FREE, "free"),
@@ -43,14 +43,14 @@ REASON_COLOURS: dict[str, style.Glass] = {
     "slit": style.SLIT,
 }
 OTHER: style.Colour = (160, 60, 140)
-"""For words that have no colour of their own."""
+"""Colour of words without a colour of their own."""
 ANGLES_DEG = (0.0, 60.0, 90.0, 120.0, 155.0, 170.0)
 ANGLE_COLOURS = ("#7f0000", "#c8301c", "#ee7a2b", "#f0b23c", "#e3d59a")
-"""Between these angles, the sharpest first; straight wall is left blank."""
+"""Colours between these angles, sharpest first; straight walls are not drawn."""
 
 
 def layers(sheet: Sheet, provenance: Provenance | None) -> Iterator[Layer]:
-    """The layers of all that was recorded, in the order of the method; records nobody has drawn for are drawn too."""
+    """Layers of all recorded stages, in the order of the method; records without a function use `draw_any`."""
     if provenance is None:
         return
     for record in provenance.records:
@@ -60,9 +60,9 @@ def layers(sheet: Sheet, provenance: Provenance | None) -> Iterator[Layer]:
 
 
 def draw_input(sheet: Sheet, grid: OccupancyGrid) -> Drawn:
-    """The map as read, and where the robot must not go."""
+    """The input map, and the areas that the robot must not enter."""
     yield _cells(sheet, grid, Layer("input", view_of(OccupancyGrid).name, on=True))
-    layer = Layer("restrictions", "Restrictions in the map's file", on=True)
+    layer = Layer("restrictions", "Restrictions in the map file", on=True)
     for word, colour, lines in restrictions(grid):
         paths = [polyline(sheet.world_points(np.array(line))) for line in lines]
         layer.add_lines(paths, colour_text(colour), word, tips=[word] * len(paths), wide_px=3)
@@ -71,11 +71,11 @@ def draw_input(sheet: Sheet, grid: OccupancyGrid) -> Drawn:
 
 
 def draw_simplified(sheet: Sheet, grid: SimplifiedGrid) -> Drawn:
-    """The working grid, and what was changed in it as a layer of its own."""
+    """The working grid, and the changed cells as a separate layer."""
     yield _cells(
         sheet, grid, Layer("simplified", f"{view_of(SimplifiedGrid).name}, cells of {grid.frame.resolution_m:g} m")
     )
-    changed = Layer("changed", "What simplifying changed")
+    changed = Layer("changed", "Cells changed by simplification")
     colours: dict[int, Sequence[int]] = {
         code: REASON_COLOURS.get(word, OTHER) for code, word in enumerate(REASONS) if code
     }
@@ -88,7 +88,7 @@ def draw_simplified(sheet: Sheet, grid: SimplifiedGrid) -> Drawn:
 
 
 def draw_path(sheet: Sheet, path: BoundaryPath) -> Drawn:
-    """The boundary, ring by ring."""
+    """The boundary path, ring by ring."""
     layer = Layer("path", view_of(BoundaryPath).name)
     points = sheet.points((path.half - 1) / 2, path.frame)
     rings = np.split(points, path.first[1:])
@@ -99,7 +99,7 @@ def draw_path(sheet: Sheet, path: BoundaryPath) -> Drawn:
 
 
 def draw_curvature(sheet: Sheet, curvature: Curvature) -> Drawn:
-    """Samples by how sharply the wall bends there."""
+    """Samples of the path, coloured by their angle."""
     layer = Layer("curvature", view_of(Curvature).name)
     points, angle_deg = sheet.points(curvature.cell, curvature.frame), np.degrees(curvature.angle_rad)
     limits = zip(ANGLES_DEG[:-1], ANGLES_DEG[1:], ANGLE_COLOURS, strict=True)
@@ -110,7 +110,7 @@ def draw_curvature(sheet: Sheet, curvature: Curvature) -> Drawn:
 
 
 def draw_bends(sheet: Sheet, bends: Candidates | Corners) -> Drawn:
-    """Candidates or corner features by their kind."""
+    """Candidates or corners, coloured by convexity."""
     is_corners = isinstance(bends, Corners)
     layer = Layer(bends.topic, view_of(type(bends)).name)
     cells = bends.quarter / 4 - 0.5 if isinstance(bends, Corners) else bends.cell
@@ -119,13 +119,13 @@ def draw_bends(sheet: Sheet, bends: Candidates | Corners) -> Drawn:
         own = np.flatnonzero(bends.convex == convex)
         name = "corner" if is_corners else "candidate"
         tips = [f"{name} {row}: {word}, {angle_deg[row]:.1f}°" for row in own.tolist()]
-        told = f"{word} ({len(own)})"
-        layer.add_dots(points[own], colour_text(colour), told, tips=tips, wide_px=8 if is_corners else 4)
+        text = f"{word} ({len(own)})"
+        layer.add_dots(points[own], colour_text(colour), text, tips=tips, wide_px=8 if is_corners else 4)
     yield layer
 
 
 def draw_doors(sheet: Sheet, doors: VirtualDoors) -> Drawn:
-    """Proposed doors, and rejected ones with their reason in a layer of their own."""
+    """Proposed doors, and rejected doors with their reasons as a separate layer."""
     proposed, rejected = Layer("doors", view_of(VirtualDoors).name), Layer("rejected", "Rejected doors")
     paths = sheet.segments(doors.start, doors.end, doors.frame)
     for code, verdict in enumerate(VERDICTS):
@@ -133,8 +133,8 @@ def draw_doors(sheet: Sheet, doors: VirtualDoors) -> Drawn:
         tips = [f"virtual door {row}: {verdict}, {doors.width_m[row]:.2f} m, {KINDS[doors.kind[row]]}" for row in own]
         colour = style.DOOR if code == PROPOSED else style.REJECTED.get(verdict, OTHER)
         layer, wide_px = (proposed, 3) if code == PROPOSED else (rejected, 1.5)
-        told = f"{verdict} ({len(own)})"
-        layer.add_lines([paths[row] for row in own], colour_text(colour), told, tips=tips, wide_px=wide_px)
+        text = f"{verdict} ({len(own)})"
+        layer.add_lines([paths[row] for row in own], colour_text(colour), text, tips=tips, wide_px=wide_px)
     yield proposed
     yield rejected
 
@@ -148,26 +148,26 @@ def draw_initial(sheet: Sheet, initial: InitialMap) -> Drawn:
 
 
 def draw_search(sheet: Sheet, initial: InitialMap, provenance: Provenance) -> Layer:
-    """The doors that the search chose among; the page colours them by the choice of each generation."""
+    """The doors that the search decided about; the page colours them by the best string of each generation."""
     if provenance.run.search.edges != len(initial.door):
         found = f"generation.removed: wanted a choice for each of {len(initial.door)} doors"
         raise RecordingError(f"{found}, found {provenance.run.search.edges}")
     layer = Layer("search", view_of(Generation).name)
     kept = ~provenance.run.search[-1].removed
     tips = [
-        f"edge {edge} of the search, virtual door {door}: {initial.width_m[edge]:.2f} m"
+        f"edge {edge}, virtual door {door}: {initial.width_m[edge]:.2f} m"
         for edge, door in enumerate(initial.door.tolist())
     ]
     for path, tip, keeps in zip(sheet.segments(initial.start, initial.end, initial.frame), tips, kept, strict=True):
         colour = style.KEPT if keeps else style.REMOVED
         layer.shapes.append({"d": path, "tip": tip, "colour": colour_text(colour), "wide": 3 if keeps else 2})
     layer.key = [(colour_text(style.KEPT), "kept"), (colour_text(style.REMOVED), "removed")]
-    layer.note = "in the generation chosen below the map"
+    layer.note = "in the generation selected below the map"
     return layer
 
 
 def draw_any(sheet: Sheet, record: Record) -> Drawn:
-    """A record nobody has drawn for: its rasters as pictures, the rows that lie in cells as dots."""
+    """A record without a function of its own: its rasters as pictures, table rows with cells as dots."""
     frame = getattr(record, "frame", None)
     if not isinstance(frame, Frame):
         return
@@ -187,7 +187,7 @@ def draw_any(sheet: Sheet, record: Record) -> Drawn:
 
 
 def _rows(record: Record, table: str) -> list[str]:
-    """What each row of a table holds in its columns of one value each."""
+    """Text of each row of a table, with all columns of one value per row."""
     columns = [name for name in tables(type(record))[table] if getattr(record, name).ndim == 1]
     units = [specs(type(record))[name][0].unit for name in columns]
     texts = [
@@ -198,7 +198,7 @@ def _rows(record: Record, table: str) -> list[str]:
 
 
 def _cells(sheet: Sheet, grid: OccupancyGrid | SimplifiedGrid, layer: Layer) -> Layer:
-    """The layer with the cells of a grid by what they are."""
+    """The layer, with a picture of a grid's cells by their state."""
     codes = np.full(grid.cells.shape, BETWEEN, np.uint8)
     unsigned = grid.cells.view(np.uint8)  # unknown, -1, is 255 here
     codes[unsigned > np.iinfo(np.int8).max] = 0

@@ -1,9 +1,9 @@
 "use strict";
 
-const told = JSON.parse(document.getElementById("told").textContent);
+const data = JSON.parse(document.getElementById("data").textContent);
 const [frame, drawing, tip, where] = ["frame", "drawing", "tip", "where"].map((id) => document.getElementById(id));
 
-/* Elements: text only ever becomes text, and attributes are set one by one. */
+/* Elements: text is always inserted as text, never as markup; attributes are set one by one. */
 
 function element(parent, name, text, attributes = {}) {
   const made = document.createElement(name);
@@ -31,7 +31,7 @@ function many(count, noun) {
 
 /* Facts */
 
-for (const [name, value] of told.facts) {
+for (const [name, value] of data.facts) {
   const pair = element(group("facts"), "div", undefined, value.length > 40 ? { class: "long" } : {});
   element(pair, "dt", name);
   element(pair, "dd", value, { title: value });
@@ -51,32 +51,32 @@ function doorText(door) {
   return `Door ${door.id}: ${door.width_m.toFixed(2)} m wide\n${door.kind}, between rooms ${door.rooms.join(" and ")}`;
 }
 
-for (const room of told.rooms) {
+for (const room of data.rooms) {
   const name = `room ${room.id}`;
   shapes.set(name, shape(group("rooms"), "path", { id: `room-${room.id}`, d: room.d, fill: room.colour, "data-name": name }));
   shapes.get(name).tip = roomText(room);
 }
 
-for (const door of told.doors) {
+for (const door of data.doors) {
   const name = `door ${door.id}`;
   const both = shape(group("doors"), "g", { id: `door-${door.id}`, "data-name": name });
-  shape(both, "path", { d: door.d, stroke: told.door_colour, class: "line" });
+  shape(both, "path", { d: door.d, stroke: data.door_colour, class: "line" });
   shape(both, "path", { d: door.d, class: "reach" });
   both.tip = doorText(door);
   shapes.set(name, both);
 }
 
-const named = told.rooms.some((room) => room.name);
+const named = data.rooms.some((room) => room.name);
 const labels = [];
-for (const room of told.rooms) {
+for (const room of data.rooms) {
   const [x, y] = room.at;
-  const size = Math.sqrt(room.area_m2) / told.resolution_m; // in cells
+  const size = Math.sqrt(room.area_m2) / data.resolution_m; // in cells
   labels.push({ size, at: [x, y], lift: -0.5, scale: 1, least: 16, text: shape(group("names"), "text", {}, room.name || room.id) });
   const area = shape(group("names"), "text", { class: "small" }, `${room.area_m2.toFixed(1)} m²`);
   labels.push({ size, at: [x, y], lift: 0.55, scale: 0.8, least: 60, text: area });
 }
-for (const door of told.doors) {
-  const size = Math.max(door.length_m, 0.8) / told.resolution_m;
+for (const door of data.doors) {
+  const size = Math.max(door.length_m, 0.8) / data.resolution_m;
   const text = shape(group("names"), "text", { class: "door" }, door.id);
   labels.push({ size, at: door.at, lift: -0.95, scale: 0.85, least: 14, text });
 }
@@ -104,7 +104,7 @@ function addSwitch(layer, parts) {
   show();
 }
 
-for (const layer of told.layers) {
+for (const layer of data.layers) {
   const picture = shape(group("pictures"), "g", { "data-layer": layer.id });
   if (layer.picture) shape(picture, "image", { ...layer.picture, preserveAspectRatio: "none" });
   const drawn = shape(group("shapes"), "g", { "data-layer": layer.id });
@@ -120,25 +120,25 @@ for (const layer of told.layers) {
   addSwitch(layer, [picture, drawn]);
 }
 addSwitch({ id: "rooms", name: "Rooms", on: true, key: [] }, [group("rooms")]);
-addSwitch({ id: "final-doors", name: "Doors", on: true, key: [[told.door_colour, many(told.doors.length, "door")]] }, [group("doors")]);
+addSwitch({ id: "final-doors", name: "Doors", on: true, key: [[data.door_colour, many(data.doors.length, "door")]] }, [group("doors")]);
 addSwitch({ id: "names", name: named ? "Names and areas" : "Numbers and areas", on: true, key: [] }, [group("names")]);
 
-/* Zoom: what part of the map is seen, in cells */
+/* Zoom: the visible part of the map, in cells */
 
-const NEAREST = 4; // cells across, at the closest
-let view = told.view;
+const NEAREST = 4; // cells across, at the highest zoom
+let view = data.view;
 
 function unit() {
   return Math.max(view[2] / drawing.clientWidth, view[3] / drawing.clientHeight); // cells per pixel
 }
 
-function look(next) {
-  const [whole, least] = [Math.max(told.view[2], told.view[3]), NEAREST];
+function showView(next) {
+  const [whole, least] = [Math.max(data.view[2], data.view[3]), NEAREST];
   const scale = Math.min(Math.max(Math.max(next[2], next[3]), least), 2 * whole) / Math.max(next[2], next[3]);
   const [width, height] = [next[2] * scale, next[3] * scale];
   const middle = [0, 1].map((axis) => {
     const at = next[axis] + next[axis + 2] / 2;
-    return Math.min(Math.max(at, told.view[axis]), told.view[axis] + told.view[axis + 2]);
+    return Math.min(Math.max(at, data.view[axis]), data.view[axis] + data.view[axis + 2]);
   });
   view = [middle[0] - width / 2, middle[1] - height / 2, width, height];
   drawing.setAttribute("viewBox", view.join(" "));
@@ -158,7 +158,7 @@ function fitLabels() {
 }
 
 function fitScale() {
-  const metres = unit() * told.resolution_m; // per pixel
+  const metres = unit() * data.resolution_m; // per pixel
   const long = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500].findLast((length) => length / metres < 140) ?? 0.05;
   const bar = group("scale");
   bar.style.width = `${long / metres}px`;
@@ -172,30 +172,30 @@ function placeOf(event) {
 
 function zoom(factor, [x, y] = [view[0] + view[2] / 2, view[1] + view[3] / 2]) {
   const least = NEAREST / Math.max(view[2], view[3]);
-  const by = Math.min(Math.max(factor, least), (2 * Math.max(told.view[2], told.view[3])) / Math.max(view[2], view[3]));
-  look([x + (view[0] - x) * by, y + (view[1] - y) * by, view[2] * by, view[3] * by]);
+  const by = Math.min(Math.max(factor, least), (2 * Math.max(data.view[2], data.view[3])) / Math.max(view[2], view[3]));
+  showView([x + (view[0] - x) * by, y + (view[1] - y) * by, view[2] * by, view[3] * by]);
 }
 
 function move(right, down) {
-  look([view[0] + right, view[1] + down, view[2], view[3]]);
+  showView([view[0] + right, view[1] + down, view[2], view[3]]);
 }
 
 function goTo(name) {
   const box = shapes.get(name).getBBox();
-  const side = Math.max(box.width, box.height, 3 / told.resolution_m) * 1.4;
-  look([box.x + box.width / 2 - side / 2, box.y + box.height / 2 - side / 2, side, side]);
+  const side = Math.max(box.width, box.height, 3 / data.resolution_m) * 1.4;
+  showView([box.x + box.width / 2 - side / 2, box.y + box.height / 2 - side / 2, side, side]);
   frame.scrollIntoView({ block: "nearest" });
 }
 
 group("closer").addEventListener("click", () => zoom(1 / 1.5));
 group("farther").addEventListener("click", () => zoom(1.5));
-group("whole").addEventListener("click", () => look(told.view));
+group("whole").addEventListener("click", () => showView(data.view));
 frame.addEventListener("keydown", (event) => {
   if (event.ctrlKey || event.altKey || event.metaKey || event.target !== frame) return;
   const step = Math.max(view[2], view[3]) / 10;
   const keys = {
     ArrowLeft: () => move(-step, 0), ArrowRight: () => move(step, 0), ArrowUp: () => move(0, -step), ArrowDown: () => move(0, step),
-    "+": () => zoom(1 / 1.5), "=": () => zoom(1 / 1.5), "-": () => zoom(1.5), 0: () => look(told.view),
+    "+": () => zoom(1 / 1.5), "=": () => zoom(1 / 1.5), "-": () => zoom(1.5), 0: () => showView(data.view),
   };
   if (!(event.key in keys)) return;
   keys[event.key]();
@@ -206,7 +206,7 @@ drawing.addEventListener("wheel", (event) => {
   zoom(Math.exp(Math.max(-60, Math.min(60, event.deltaY)) * 0.004), placeOf(event));
 }, { passive: false });
 
-/* Pointers: one moves the map, two stretch it, and what is under one tells about itself */
+/* Pointers: one moves the map, two zoom it; without a button pressed, a pointer shows the tip of what is under it */
 
 const held = new Map();
 
@@ -222,7 +222,7 @@ for (const end of ["pointerup", "pointercancel"]) {
   });
 }
 drawing.addEventListener("pointermove", (event) => {
-  if (!held.has(event.pointerId)) return tell(event);
+  if (!held.has(event.pointerId)) return hover(event);
   const before = held.get(event.pointerId);
   const now = [event.clientX, event.clientY];
   const other = [...held.keys()].find((id) => id !== event.pointerId);
@@ -245,9 +245,9 @@ function mark(name) {
   for (const part of [shapes.get(name), rows.get(name)]) part?.classList.add("hot");
 }
 
-function tell(event) {
+function hover(event) {
   const [x, y] = placeOf(event);
-  const [x_m, y_m, ax, ay, bx, by] = told.world_m;
+  const [x_m, y_m, ax, ay, bx, by] = data.world_m;
   where.textContent = `x ${(x_m + x * ax + y * bx).toFixed(2)} m, y ${(y_m + x * ay + y * by).toFixed(2)} m, column ${Math.floor(x)}, row ${Math.floor(y)}`;
   where.hidden = false;
   let under = event.target;
@@ -303,24 +303,24 @@ const place = (point) => point.map((value) => value.toFixed(2)).join(", ");
 connect(
   fill("room-table",
     [["Room"], ...(named ? [["Name"]] : []), ["Area, m²", true], ["Centre x, y, m", true], ["Doors"], ["Next to rooms"]],
-    told.rooms.map((room) => [button(`room ${room.id}`, room.colour), ...(named ? [room.name] : []), room.area_m2.toFixed(2), place(room.centre_m), room.doors.join(", ") || "none", room.neighbours.join(", ") || "none"])),
-  told.rooms.map((room) => `room ${room.id}`));
+    data.rooms.map((room) => [button(`room ${room.id}`, room.colour), ...(named ? [room.name] : []), room.area_m2.toFixed(2), place(room.centre_m), room.doors.join(", ") || "none", room.neighbours.join(", ") || "none"])),
+  data.rooms.map((room) => `room ${room.id}`));
 connect(
   fill("door-table",
     [["Door"], ["Rooms"], ["Width, m", true], ["Length, m", true], ["Tilt, °", true], ["Kind"], ["Middle x, y, m", true]],
-    told.doors.map((door) => [button(`door ${door.id}`, told.door_colour), door.rooms.join(" and "), door.width_m.toFixed(2), door.length_m.toFixed(2), door.tilt_deg.toFixed(1), door.kind, place(door.middle_m)])),
-  told.doors.map((door) => `door ${door.id}`));
-if (!told.doors.length) element(group("door-table").parentNode, "p", "This map has no doors.");
+    data.doors.map((door) => [button(`door ${door.id}`, data.door_colour), door.rooms.join(" and "), door.width_m.toFixed(2), door.length_m.toFixed(2), door.tilt_deg.toFixed(1), door.kind, place(door.middle_m)])),
+  data.doors.map((door) => `door ${door.id}`));
+if (!data.doors.length) element(group("door-table").parentNode, "p", "This map has no doors.");
 
-for (const [section, table, lines] of [["numbers", "number-table", told.numbers], ["settings", "setting-table", told.settings]]) {
+for (const [section, table, lines] of [["numbers", "number-table", data.numbers], ["settings", "setting-table", data.settings]]) {
   group(section).hidden = !lines.length;
   fill(table, [["Stage"], [section === "settings" ? "Setting" : "Number"], ["Value"]], lines);
 }
 
-/* The search: its costs, and the doors that the best choice of a generation keeps */
+/* The search: its costs, and the doors that the best string of a generation keeps */
 
 const CURVE = { width: 900, height: 270, left: 64, right: 810, top: 14, bottom: 226 };
-const LINES = ["worst", "mean", "best"]; // the best is drawn last, and named lowest
+const LINES = ["worst", "mean", "best"]; // the best is drawn last and labelled lowest
 
 function steps(low, high, wanted) {
   const rough = (high - low) / wanted;
@@ -357,7 +357,7 @@ function drawCurve(curve) {
     if (points.length === 1) shape(svg, "circle", { class: name, cx: x(points[0][0]), cy: y(points[0][1]), r: 3 });
     ends.push({ name, at: y(points.at(-1)[1]) });
   }
-  ends.sort((one, other) => other.at - one.at || LINES.indexOf(other.name) - LINES.indexOf(one.name)); // from below, each name clear of the one under it
+  ends.sort((one, other) => other.at - one.at || LINES.indexOf(other.name) - LINES.indexOf(one.name)); // from the bottom up, no label over the one below
   ends.forEach((end, row) => {
     end.at = row ? Math.min(end.at, ends[row - 1].at - 15) : end.at;
     shape(svg, "text", { class: end.name, x: CURVE.right + 10, y: end.at + 4 }, end.name);
@@ -386,7 +386,7 @@ function followSearch(curve) {
     group("chosen").textContent = `${curve.number[row]}: best ${text(curve.best[row])}, mean ${text(curve.mean[row])}, worst ${text(curve.worst[row])}; ${curve.edges - out.size} of ${many(curve.edges, "virtual door")} kept; ${curve.evaluations[row]} evaluations`;
     if (edges.length !== curve.edges) return;
     edges.forEach((edge, index) => {
-      edge.setAttribute("stroke", told.colours[out.has(index) ? 1 : 0]);
+      edge.setAttribute("stroke", data.colours[out.has(index) ? 1 : 0]);
       edge.setAttribute("stroke-width", out.has(index) ? 2 : 3);
     });
   }
@@ -401,11 +401,11 @@ function followSearch(curve) {
   choose(curve.number.length - 1);
 }
 
-if (told.curve) {
+if (data.curve) {
   group("search").hidden = false;
-  followSearch(told.curve);
+  followSearch(data.curve);
 }
 
-frame.style.aspectRatio = Math.max(told.view[2] / told.view[3], 0.75);
-new ResizeObserver(() => look(view)).observe(frame);
-look(told.view);
+frame.style.aspectRatio = Math.max(data.view[2] / data.view[3], 0.75);
+new ResizeObserver(() => showView(view)).observe(frame);
+showView(data.view);

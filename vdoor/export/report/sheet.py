@@ -1,4 +1,4 @@
-"""What layers of the page are made of: pictures and shapes, in cells of the map from its upper left corner."""
+"""Layers of the report: pictures and shapes, in cells of the map from its upper left corner."""
 
 from __future__ import annotations
 
@@ -18,17 +18,17 @@ from vdoor.viz.rerun import style
 
 Floats = NDArray[np.float64]
 Key = Sequence[tuple[str, str]]
-"""What colours mean: pairs of colour and words."""
+"""Legend: pairs of colour and text."""
 LARGEST_SIDE_PX = 8192
 """Larger pictures are reduced."""
-MOST_TOLD = 4000
-"""Shapes of a layer that tell their numbers under the pointer; more of them are drawn without."""
+MOST_TIPS = 4000
+"""Maximum number of shapes with tips in a group of one colour; larger groups are drawn without tips."""
 COLOURS = 256
 
 
 @dataclass
 class Layer:
-    """One switch of the page and what it shows: a picture under the rooms, shapes above them."""
+    """One switch of the page and its content: a picture below the rooms, shapes above them."""
 
     id: str
     name: str
@@ -41,15 +41,15 @@ class Layer:
     def add_lines(
         self, paths: Sequence[str], colour: str, word: str, *, tips: Sequence[str] = (), wide_px: float = 1.5
     ) -> None:
-        """Lines of one colour, each with what it tells under the pointer, where they are not too many for that."""
+        """Lines of one colour, each with its tip for the pointer, unless there are too many."""
         if not paths:
             return
         self.key.append((colour, word))
-        look = {"colour": colour, "wide": wide_px}
-        if tips and len(paths) <= MOST_TOLD:
-            self.shapes += [look | {"d": path, "tip": tip} for path, tip in zip(paths, tips, strict=True)]
+        style_of_line = {"colour": colour, "wide": wide_px}
+        if tips and len(paths) <= MOST_TIPS:
+            self.shapes += [style_of_line | {"d": path, "tip": tip} for path, tip in zip(paths, tips, strict=True)]
         else:
-            self.shapes.append(look | {"d": "".join(paths)})
+            self.shapes.append(style_of_line | {"d": "".join(paths)})
 
     def add_dots(self, points: Floats, colour: str, word: str, *, tips: Sequence[str] = (), wide_px: float = 5) -> None:
         """Dots at points (k, 2) as x, y."""
@@ -59,12 +59,12 @@ class Layer:
 
 @dataclass(frozen=True)
 class Sheet:
-    """The map that all is drawn on."""
+    """Drawing surface in cells of the map, x right and y down."""
 
     frame: Frame
 
     def points(self, cells: NDArray[Any], frame: Frame) -> Floats:
-        """Cells (k, 2) as row, col of any frame as x, y on the sheet; whole numbers are cell centres."""
+        """Cells (k, 2), as row, col of any frame, as x, y on the sheet; integers are cell centres."""
         return self.world_points(frame.world_from_cell(cells))
 
     def world_points(self, points_m: NDArray[Any]) -> Floats:
@@ -77,9 +77,9 @@ class Sheet:
         return [f"M{one}L{other}" for one, other in ends]
 
     def picture(self, raster: NDArray[Any], colours: Mapping[int, Sequence[int]], frame: Frame) -> dict[str, Any]:
-        """A raster (h, w) of codes as a picture, and where it lies; codes without a colour are clear.
+        """A raster (h, w) of codes as a picture with its position; codes without a colour are transparent.
 
-        A square of cells that is too small to be seen has its highest code.
+        A large raster is reduced: each pixel shows the highest code of its block of cells.
         """
         by = -(-max(raster.shape) // LARGEST_SIDE_PX)
         codes = block_reduce(raster, by, np.max) if by > 1 else raster  # type: ignore[no-untyped-call]  # has no types
@@ -90,40 +90,40 @@ class Sheet:
 
 
 def polygon(rings: Iterable[Floats]) -> str:
-    """A path of closed rings, each of points (k, 2) as x, y."""
+    """SVG path of closed rings, each of points (k, 2) as x, y."""
     return "".join(f"M{'L'.join(_places(_turns(ring)))}Z" for ring in rings if len(ring))
 
 
 def polyline(points: Floats) -> str:
-    """A path from point to point (k, 2), as x, y."""
+    """SVG path along points (k, 2) as x, y."""
     return f"M{'L'.join(_places(points))}"
 
 
 def room_codes(labels: NDArray[np.int32]) -> tuple[NDArray[np.int32], dict[int, Sequence[int]]]:
-    """Labels as codes of a byte, 0 as it is, and a colour for each."""
+    """Labels as codes of one byte, with 0 unchanged, and a colour for each."""
     codes = np.where(labels > 0, (labels - 1) % (COLOURS - 1) + 1, 0)
     return codes, {code: style.room(code) for code in range(1, min(int(labels.max(initial=0)), COLOURS - 1) + 1)}
 
 
 def data_uri(codes: NDArray[np.uint8], colours: Mapping[int, Sequence[int]]) -> str:
-    """A PNG (h, w) with a palette, as an address that holds it."""
-    look = np.zeros((COLOURS, 4), np.uint8)
+    """A PNG (h, w) with a palette, as a data URI."""
+    palette = np.zeros((COLOURS, 4), np.uint8)
     for code, colour in colours.items():
-        look[code] = (*colour, 255)[:4]
+        palette[code] = (*colour, 255)[:4]
     image = Image.fromarray(codes)
-    image.putpalette(look[:, :3].tobytes())
+    image.putpalette(palette[:, :3].tobytes())
     buffer = io.BytesIO()
-    image.save(buffer, format="png", transparency=look[:, 3].tobytes())
+    image.save(buffer, format="png", transparency=palette[:, 3].tobytes())
     return f"data:image/png;base64,{base64.b64encode(buffer.getvalue()).decode()}"
 
 
 def colour_text(colour: Sequence[int]) -> str:
-    """A colour as CSS has it; how clear it is, is left aside."""
+    """A colour in CSS notation, without its opacity."""
     return "#{:02x}{:02x}{:02x}".format(*colour[:3])
 
 
 def _turns(ring: Floats) -> Floats:
-    """The points of a closed ring at which it turns; all of one that never does."""
+    """Points of a closed ring at which it turns; all points if it never turns."""
     ring = ring[:-1] if len(ring) > 1 and (ring[0] == ring[-1]).all() else ring
     along, onward = ring - np.roll(ring, 1, axis=0), np.roll(ring, -1, axis=0) - ring
     turned = np.abs(along[:, 0] * onward[:, 1] - along[:, 1] * onward[:, 0]) > 1e-9  # noqa: PLR2004  # square cells

@@ -1,1 +1,1 @@
-"""The Rerun recording: what is drawn of each record, the views it opens with, and pictures of them."""
+"""The Rerun recording: drawings of each record, the views that it opens with, and pictures of them."""

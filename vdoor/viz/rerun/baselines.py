@@ -1,4 +1,4 @@
-"""How the records of the baselines are drawn."""
+"""Drawings of the records of the baselines."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from vdoor.viz.rerun.scene import Scene, classes, pixels, strips
 
 
 def draw_skeleton(scene: Scene, skeleton: Skeleton) -> None:
-    """The lines in the middle of the free space, each point with its clearance."""
+    """Draw the skeleton of the free space, each point with its clearance."""
     labels = [f"{clearance_m:.2f} m to the wall" for clearance_m in skeleton.clearance_m]
     points = rr.Points2D(
         pixels(skeleton.cell), colors=style.CONCAVE, radii=0.2, labels=labels, show_labels=False, draw_order=20.0
@@ -21,7 +21,7 @@ def draw_skeleton(scene: Scene, skeleton: Skeleton) -> None:
 
 
 def draw_critical_lines(scene: Scene, narrows: CriticalLines) -> None:
-    """Narrow places with a line from wall to wall; what is none in a layer for each reason."""
+    """Draw narrow places with a line from wall to wall, and rejected ones in one layer per reason."""
     for code, fate in enumerate(FATES):
         own = narrows.fate == code
         colour = style.DOOR if code == NARROW else style.REMOVED
@@ -30,11 +30,11 @@ def draw_critical_lines(scene: Scene, narrows: CriticalLines) -> None:
         lines = rr.LineStrips2D(strips(narrows.start[own], narrows.end[own]), colors=colour, radii=0.1)
         scene.log(f"map/narrows/{name}/across", lines)
     counts = np.bincount(narrows.fate, minlength=len(FATES))
-    scene.say(", ".join(f"{count} {fate}" for count, fate in zip(counts, FATES, strict=True)))
+    scene.log_text(", ".join(f"{count} {fate}" for count, fate in zip(counts, FATES, strict=True)))
 
 
 def draw_eroded(scene: Scene, eroded: ErodedSpace) -> None:
-    """What is left of the free space, cores of rooms in colour."""
+    """Draw the eroded free space, with the cores of rooms in colour."""
     parts = len(eroded.kept)
     grey = (*style.REMOVED, 255)
     colours = {
@@ -42,11 +42,11 @@ def draw_eroded(scene: Scene, eroded: ErodedSpace) -> None:
     }
     scene.keep("map/eroded", classes({0: ("none", style.CLEAR), **colours}))
     scene.raster("map/eroded", eroded.core.astype(np.uint16), order=1.0, opacity=0.7)
-    scene.say(f"{np.count_nonzero(eroded.kept)} of {parts} parts are cores of rooms")
+    scene.log_text(f"{np.count_nonzero(eroded.kept)} of {parts} parts are cores of rooms")
 
 
 def draw_grown(scene: Scene, grown: GrownRooms) -> None:
-    """The rooms that the cores grew to."""
+    """Draw the rooms grown back from the cores."""
     rooms = int(grown.room.max(initial=0))
     colours = {room: (f"room {room}", style.room(room)) for room in range(1, rooms + 1)}
     scene.keep("map/grown", classes({0: ("none", style.CLEAR), **colours}))

@@ -1,4 +1,4 @@
-"""The curvature plot as a picture, so that it is seen on every timeline: samples to the right, the angle upwards."""
+"""The curvature plot drawn as a picture, to be visible on every timeline: angle over samples."""
 
 from __future__ import annotations
 
@@ -13,18 +13,18 @@ from vdoor.viz.rerun import style
 from vdoor.viz.rerun.scene import Scene
 
 WIDTH, HEIGHT = 900.0, 300.0
-"""Of the plot, in the units of its view."""
+"""Size of the plot in the units of its view."""
 MARKS_DEG = (0, 45, 90, 135, 180)
 
 
 def place(sample: NDArray[np.generic], angle_deg: NDArray[np.float64], samples: int) -> NDArray[np.float64]:
-    """Points (k, 2) of the plot."""
+    """Points (k, 2) of the plot, x right and y down."""
     right = np.asarray(sample, np.float64) * (WIDTH / max(samples - 1, 1))
     return np.stack([right, HEIGHT * (1 - np.asarray(angle_deg) / 180)], axis=1)
 
 
 def draw_curve(scene: Scene, shown: NDArray[np.int64], angle_deg: NDArray[np.float64], *, samples: int) -> None:
-    """The angle at the samples shown, the scale, and a mark at the walker."""
+    """Draw the angle at the samples shown, the scale, and a mark at the walker."""
     line = place(shown, angle_deg, samples)
     scene.log("curve/angle", rr.LineStrips2D([line], colors=style.DOOR, radii=0.8, draw_order=2.0))
     scene.columns("curve/walker", "sample", shown, rr.Points2D.columns(positions=line))
@@ -43,7 +43,7 @@ def draw_curve(scene: Scene, shown: NDArray[np.int64], angle_deg: NDArray[np.flo
 
 
 def draw_threshold(scene: Scene, candidates: Candidates, limit_deg: float, *, samples: int) -> None:
-    """The threshold, and the candidates below it by their kind."""
+    """Draw the threshold, and the candidates below it by convexity."""
     row = HEIGHT * (1 - limit_deg / 180)
     line = [[(0.0, row), (WIDTH, row)]]
     scene.log("curve/threshold", rr.LineStrips2D(line, colors=style.THRESHOLD, radii=1.0, draw_order=3.0))

@@ -1,4 +1,4 @@
-"""Two runs drawn over each other, and what differs between them marked."""
+"""Two runs drawn over each other, with their differences marked."""
 
 from __future__ import annotations
 
@@ -25,14 +25,14 @@ TABS = ("Differences", "Stages", "Search")
 MARK: style.Colour = (230, 0, 200)
 DESCRIPTION = """# Two runs, compared
 
-Both runs are drawn under their own names, `recorded` and `again`; what differs is marked in **magenta** over the map of
-the first. One step of the timeline is one record of both. The log says what differs, stage by stage; what comes after
-the first stage that differs follows from it.
+Both runs are drawn under their own names, `recorded` and `again`; differences are marked in **magenta** over the map of
+the first. One step of the timeline is one record of both. The log lists the differences, stage by stage; those after
+the first stage that differs follow from it.
 """
 
 
 class DifferenceSink:
-    """Draws every pair of records it is called with; the file gets its name when it is closed."""
+    """Draws each pair of records that it is called with; the file gets its final name when closed."""
 
     def __init__(self, path: Path, info: RunInfo, *, limit_deg: float = 155.0) -> None:
         self.path = path
@@ -48,7 +48,7 @@ class DifferenceSink:
         self._marks.keep("description", rr.TextDocument(DESCRIPTION, media_type="text/markdown"))
 
     def __call__(self, pair: Pair) -> None:
-        """Draw one pair; the mark of a table's rows stands where the first run has them."""
+        """Draw one pair; differing rows of a table are marked at their position in the first run."""
         with errors_at(self.path):
             for name, record in ((EXPECTED, pair.expected), (FOUND, pair.found)):
                 if record is not None:
@@ -56,7 +56,7 @@ class DifferenceSink:
                     DRAW.get(type(record), draw_any)(self._scenes[name], record)
             self._marks.begin(self._step, pair.topic)
             if pair.expected is None or pair.found is None:
-                self._marks.say(f"{pair.topic} {pair.rank} is in one run alone")
+                self._marks.log_text(f"{pair.topic} {pair.rank} is in one run only")
             else:
                 self._mark(pair.expected, pair.found, pair.differences)
         self._step += 1
@@ -69,16 +69,16 @@ class DifferenceSink:
             partial_name(self.path).replace(self.path)
 
     def abandon(self) -> None:
-        """Leave no file: half a comparison says nothing of the other half."""
+        """Discard the file: half a comparison is misleading."""
         self._marks.stream.disconnect()
         partial_name(self.path).unlink(missing_ok=True)
 
     def _mark(self, expected: Record, found: Record, differences: tuple[Difference, ...]) -> None:
-        """Say each difference, and mark its place where it has one."""
+        """Log each difference, and mark its position if it has one."""
         fields = specs(type(expected))
         for difference in differences:
             worst = difference.worst
-            self._marks.say(
+            self._marks.log_text(
                 f"{expected.topic}.{difference.field}: {difference.count} of {difference.total} differ, "
                 f"{worst.expected} and {worst.found}"
             )
@@ -100,19 +100,19 @@ class DifferenceSink:
 
 
 def frame_of(record: Record) -> str:
-    """Which of the two frames of a run a record lies in: its input's, or that of the working grid."""
+    """Name of a record's frame: that of the input or that of the working grid."""
     at_input = isinstance(record, OccupancyGrid) or record.topic == "map"
     return "input" if at_input and isinstance(getattr(record, "frame", None), Frame) else "working"
 
 
 def blueprint() -> rrb.Blueprint:
-    """The marked map beside the log, both runs side by side, and both costs."""
+    """Tabs with the marked map beside the log, both runs side by side, and both costs."""
     marked = _view("Differences at the working resolution", f"{EXPECTED}/map/simplified", "difference/working/**")
     rooms = _view(
         "Differences in the result", f"{EXPECTED}/input/map", f"{EXPECTED}/rooms/doors", "difference/input/**"
     )
     texts = rrb.Tabs(
-        rrb.TextLogView(origin="log", name="What differs"),
+        rrb.TextLogView(origin="log", name="Differences"),
         rrb.TextDocumentView(origin="description", name="Read me"),
         active_tab=0,
     )

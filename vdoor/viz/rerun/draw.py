@@ -1,4 +1,4 @@
-"""How each record is drawn: one function a record, and the table of them."""
+"""Drawings of each record: one function per record, and the table of them."""
 
 from __future__ import annotations
 
@@ -31,9 +31,9 @@ from vdoor.viz.rerun.scene import Scene, classes, pixels, strips, table
 from vdoor.viz.rerun.scores import draw_certificate, draw_scores
 
 MOST_PLACES = 20_000
-"""The walker stops at so many samples at most."""
+"""Maximum number of samples at which the walker is drawn."""
 UNKNOWN, FREE, BETWEEN, OCCUPIED = 0, 1, 2, 3
-"""In the order in which they must not be lost: where a raster is reduced, a wall wins."""
+"""A reduced raster keeps the highest code, so walls win."""
 CELL_CLASSES = {
     UNKNOWN: ("unknown", style.UNKNOWN),
     FREE: ("free", style.FREE),
@@ -45,7 +45,7 @@ HEADING_PX = np.array([(1, 0), (0, -1), (-1, 0), (0, 1)])
 
 
 def draw_input(scene: Scene, grid: OccupancyGrid) -> None:
-    """The map as read."""
+    """Draw the input map."""
     scene.remembered[grid.topic] = grid.frame
     scene.keep("input/map", classes(CELL_CLASSES))
     scene.raster("input/map", cell_classes(grid))
@@ -53,7 +53,7 @@ def draw_input(scene: Scene, grid: OccupancyGrid) -> None:
 
 
 def draw_restrictions(scene: Scene, grid: OccupancyGrid) -> None:
-    """Virtual walls and areas that the robot keeps out of, where the map's file knows any, on the map itself."""
+    """Draw virtual walls and no-go areas from the map's file, if any, over the input map."""
     drawn = [
         (pixels(grid.frame.cell_from_world(np.array(line))), colour, name)
         for name, colour, own in restrictions(grid)
@@ -66,18 +66,18 @@ def draw_restrictions(scene: Scene, grid: OccupancyGrid) -> None:
 
 
 def draw_simplified(scene: Scene, grid: SimplifiedGrid) -> None:
-    """The working grid, and what was removed from it as a layer of its own."""
+    """Draw the working grid, and the changed cells as a separate layer."""
     scene.remembered[grid.topic] = grid
     scene.keep("map/simplified", classes(CELL_CLASSES))
     scene.keep("map/removed", classes(dict(enumerate(zip(REASONS, REASON_COLOURS, strict=True)))))
     scene.raster("map/simplified", cell_classes(grid))
     scene.raster("map/removed", grid.reason, order=1.0)
     counts = [np.count_nonzero(grid.reason == code) for code in range(len(REASONS))]
-    scene.say(", ".join(f"{count} cells {name}" for name, count in zip(REASONS, counts, strict=True) if count))
+    scene.log_text(", ".join(f"{count} cells {name}" for name, count in zip(REASONS, counts, strict=True) if count))
 
 
 def draw_path(scene: Scene, path: BoundaryPath) -> None:
-    """The boundary, and a walker on it along `sample`."""
+    """Draw the boundary path, and the walker along the timeline `sample`."""
     scene.remembered[path.topic] = path
     ends = np.append(path.first[1:], len(path.half))
     rings = [
@@ -94,7 +94,7 @@ def draw_path(scene: Scene, path: BoundaryPath) -> None:
 
 
 def draw_curvature(scene: Scene, curvature: Curvature) -> None:
-    """The angle along the path with its threshold, and f and b at the walker."""
+    """Draw the angle along the path, and f and b at the walker."""
     scene.remembered[curvature.topic] = curvature
     path = scene.remembered["path"]
     angle_deg = np.degrees(curvature.angle_rad)
@@ -115,7 +115,7 @@ def draw_curvature(scene: Scene, curvature: Curvature) -> None:
 
 
 def draw_candidates(scene: Scene, candidates: Candidates) -> None:
-    """Samples below the threshold by their kind, and the threshold in the plot."""
+    """Draw candidates by convexity, and the threshold in the plot."""
     angle_deg = np.degrees(candidates.angle_rad)
     limit_deg = scene.remembered["threshold_deg"]
     samples = len(scene.remembered["path"].cell)
@@ -136,7 +136,7 @@ def draw_candidates(scene: Scene, candidates: Candidates) -> None:
 
 
 def draw_corners(scene: Scene, corners: Corners) -> None:
-    """Corner features on the map, and as a table with one row a corner."""
+    """Draw corners on the map, and as a table with one row per corner."""
     scene.remembered[corners.topic] = corners
     for kind, convex, colour in (("convex", True, style.CONVEX), ("concave", False, style.CONCAVE)):
         own = corners.convex == convex
@@ -150,7 +150,7 @@ def draw_corners(scene: Scene, corners: Corners) -> None:
 
 
 def draw_doors(scene: Scene, doors: VirtualDoors) -> None:
-    """Proposed doors, and rejected ones in a layer for each reason."""
+    """Draw proposed doors, and rejected ones in one layer per reason."""
     scene.remembered[doors.topic] = doors
     for code, verdict in enumerate(VERDICTS):
         own = np.flatnonzero(doors.verdict == code)
@@ -168,12 +168,12 @@ def draw_doors(scene: Scene, doors: VirtualDoors) -> None:
             ),
         )
     counts = np.bincount(doors.verdict, minlength=len(VERDICTS))
-    scene.say(", ".join(f"{count} {name}" for name, count in zip(VERDICTS, counts, strict=True)))
+    scene.log_text(", ".join(f"{count} {name}" for name, count in zip(VERDICTS, counts, strict=True)))
     table(scene, doors, "door")
 
 
 def draw_any(scene: Scene, record: Record) -> None:
-    """A record nobody has drawn for: its rasters as pictures, its tables as rows."""
+    """Draw a record without a function of its own: its rasters as pictures, its tables as rows."""
     for name, (spec, _) in specs(type(record)).items():
         if spec.kind in RASTERS:
             scene.raster(f"other/{record.topic}/{name}", np.asarray(getattr(record, name)).astype(np.uint16))
@@ -191,10 +191,10 @@ def cell_classes(grid: OccupancyGrid | SimplifiedGrid) -> np.ndarray[Any, np.dty
 
 
 def walked(scene: Scene, path: BoundaryPath) -> np.ndarray[Any, np.dtype[np.int64]]:
-    """Samples at which the walker stops: all, or every k-th of very many."""
+    """Samples at which the walker is drawn: all, or every k-th if there are too many."""
     every = -(-len(path.cell) // MOST_PLACES)
     if every > 1:
-        scene.say(f"of {len(path.cell)} samples every {every}th is drawn along the timeline `sample`")
+        scene.log_text(f"one in {every} of {len(path.cell)} samples is drawn along the timeline `sample`")
     return np.arange(0, len(path.cell), max(every, 1))
 
 

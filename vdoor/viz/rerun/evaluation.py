@@ -1,4 +1,4 @@
-"""An evaluation over the map: doors as hits, misses and false ones, and which found room is which true one."""
+"""An evaluation drawn over the map: hit, missed and false doors, and pairs of found and true rooms."""
 
 from __future__ import annotations
 
@@ -30,17 +30,17 @@ FATES: dict[str, style.Colour] = {
     EXCUSED: (120, 122, 128),
 }
 NO_PARTNER = 65_535
-"""Class of rooms that are in no pair."""
+"""Class of rooms without a partner."""
 UNPAIRED: style.Colour = (90, 60, 70)
 LEGEND = """
-Doors: **green** hit, **red** missed, **orange** false, **grey** excused (nobody is sure there is none); thin green
-lines are the true doors that were hit. Rooms that are a pair have one colour, with their intersection over union on the
-found one; dark ones have no partner. Several maps follow one another along the timeline `step`.
+Doors: **green** hit, **red** missed, **orange** false, **grey** excused (the reference is uncertain there); thin green
+lines are the true doors that were hit. Paired rooms share a colour, with their intersection over union on the found
+room; dark rooms have no partner. Several maps follow one another along the timeline `step`.
 """
 
 
 def save_evaluations(path: Path, evaluations: Sequence[Evaluation]) -> None:
-    """Write a Rerun recording with one step a map; `VdoorError` where it cannot be written."""
+    """Write a Rerun recording with one step per map; `VdoorError` if it cannot be written."""
     with whole_recording(path, _identity(evaluations), blueprint()) as scene:
         keep_classes(scene, evaluations)
         for step, evaluation in enumerate(evaluations):
@@ -49,7 +49,7 @@ def save_evaluations(path: Path, evaluations: Sequence[Evaluation]) -> None:
 
 
 def blueprint() -> rrb.Blueprint:
-    """Doors over the map, found rooms beside true ones, and the figures."""
+    """Tabs with doors over the map beside the figures, and found rooms beside true ones."""
     doors = _view("Doors: green hit, red missed, orange false", "evaluation/doors/**")
     found = _view("Found rooms, with their IoU", "evaluation/found/**")
     true = _view("True rooms", "evaluation/true/**")
@@ -68,7 +68,7 @@ def blueprint() -> rrb.Blueprint:
 
 
 def keep_classes(scene: Scene, evaluations: Sequence[Evaluation]) -> None:
-    """Names and colours of cells and rooms, for all maps."""
+    """Log the names and colours of cells and rooms, for all maps."""
     rooms = max(int(evaluation.division.rooms.max(initial=0)) for evaluation in evaluations)
     rooms = max(rooms, *(evaluation.rooms.true for evaluation in evaluations if evaluation.rooms), 0)
     scene.keep("evaluation/map", classes(CELL_CLASSES))
@@ -78,7 +78,7 @@ def keep_classes(scene: Scene, evaluations: Sequence[Evaluation]) -> None:
 
 
 def draw_evaluation(scene: Scene, evaluation: Evaluation) -> None:
-    """One map: its cells, its doors by their fate, its rooms by their pair, its figures."""
+    """Draw one map: cells, doors by outcome, rooms by pair, figures."""
     scene.raster("evaluation/map", cell_classes(evaluation.division.grid))
     size = max(evaluation.division.free.shape) / 400
     for fate, doors in fates(evaluation).items():
@@ -92,7 +92,7 @@ def draw_evaluation(scene: Scene, evaluation: Evaluation) -> None:
 
 
 def draw_doors(scene: Scene, entity: str, doors: Doors, *, colour: style.Colour, radius: float) -> None:
-    """Doors as lines from end to end with their place as a dot."""
+    """Draw doors as lines from end to end, with a dot at the middle."""
     fate = entity.rsplit("/", 1)[1].replace("_", " ")
     labels = [f"{fate}: {width_m:.2f} m" for width_m in doors.width_m]
     lines = strips(doors.ends[:, 0], doors.ends[:, 1])
@@ -104,7 +104,7 @@ def draw_doors(scene: Scene, entity: str, doors: Doors, *, colour: style.Colour,
 
 
 def draw_rooms(scene: Scene, evaluation: Evaluation) -> None:
-    """Found and true rooms by the number of the true one of their pair."""
+    """Draw found and true rooms, numbered by the true room of their pair."""
     found, true, score = evaluation.division.rooms, evaluation.reference.rooms, evaluation.rooms
     if score is None or true is None:
         sides = {"found": found, "true": np.zeros_like(found)}
@@ -120,7 +120,7 @@ def draw_rooms(scene: Scene, evaluation: Evaluation) -> None:
 
 
 def draw_shares(scene: Scene, evaluation: Evaluation) -> None:
-    """The intersection over union of each pair, at the middle of its found room."""
+    """Draw the intersection over union of each pair at the middle of its found room."""
     score = evaluation.rooms
     places, labels = np.zeros((0, 2)), []
     if score is not None:
@@ -133,7 +133,7 @@ def draw_shares(scene: Scene, evaluation: Evaluation) -> None:
 
 
 def _middles(rooms: NDArray[np.int32]) -> NDArray[np.float64]:
-    """Mean cell of each room (k, 2) as row, col."""
+    """Mean of the cells (k, 2) of each room, as row, col."""
     cells = np.argwhere(rooms)
     room = rooms[rooms > 0]
     counts = np.bincount(room)[1:]
@@ -145,7 +145,7 @@ def _view(name: str, contents: str) -> rrb.Spatial2DView:
 
 
 def _identity(evaluations: Sequence[Evaluation]) -> RunInfo:
-    """What the recording's id follows from: equal evaluations have equal ones."""
+    """Information that the recording's id is derived from; equal evaluations have equal ids."""
     files = tuple((evaluation.name, evaluation.division.rooms.tobytes()) for evaluation in evaluations)
     figures = {evaluation.name: evaluation.figures() for evaluation in evaluations}
     return RunInfo(version=__version__, preset="evaluate", seed=0, settings=figures, source=Source(files=files))

@@ -1,4 +1,4 @@
-"""How topological maps and the search between them are drawn: over the map, and as graphs."""
+"""Drawings of topological maps, edits and the search: over the map, and as graphs."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ COSTS = {"best": style.BEST, "mean": style.MEAN, "worst": style.WORST}
 
 
 def draw_initial(scene: Scene, initial: InitialMap) -> None:
-    """Regions, and rooms joined to the doors they border; a door may border more than two."""
+    """Draw regions, and the graph of regions and the doors that they border; a door may border more than two."""
     scene.remembered[initial.topic] = initial
     regions = len(initial.area_m2)
     shown = as_classes(np.where(initial.piece <= regions, initial.piece, 0))
@@ -62,7 +62,7 @@ def draw_initial(scene: Scene, initial: InitialMap) -> None:
 
 
 def draw_generation(scene: Scene, generation: Generation) -> None:
-    """Cost and its terms, and the doors that the best string keeps."""
+    """Draw the cost and its terms, and the doors that the best string keeps and removes."""
     scene.at(generation=generation.number)
     scene.remembered["generations"] = generation.number
     for name, colour in COSTS.items():
@@ -81,26 +81,26 @@ def draw_generation(scene: Scene, generation: Generation) -> None:
 
 
 def draw_edits(scene: Scene, edits: Edits) -> None:
-    """The places that edits speak of, on the map as read, and as a table."""
+    """Draw the places of edits on the input map, and the table of edits."""
     table(scene, edits, "edit")
     frame = scene.remembered.get("input")
-    if frame is None:  # lost from a recording that was damaged
+    if frame is None:  # lost from a damaged recording
         return
     kinds, codes = tuple(FORMS), zip(edits.kind.tolist(), edits.verdict.tolist(), strict=True)
     labels = [f"{kinds[kind]}: {VERDICTS[verdict]}" for kind, verdict in codes]
     lines = np.isfinite(edits.end_m).all(axis=1)
     size = max(frame.height, frame.width) / 400
     start, end = frame.cell_from_world(edits.start_m), frame.cell_from_world(edits.end_m)
-    look: dict[str, Any] = {"colors": style.EDIT, "show_labels": False, "draw_order": 23.0}
-    scene.log("rooms/edits/places", rr.Points2D(pixels(start), radii=size, labels=labels, **look))
+    options: dict[str, Any] = {"colors": style.EDIT, "show_labels": False, "draw_order": 23.0}
+    scene.log("rooms/edits/places", rr.Points2D(pixels(start), radii=size, labels=labels, **options))
     strokes = rr.LineStrips2D(
-        strips(start[lines], end[lines]), radii=size / 2, labels=np.array(labels)[lines].tolist(), **look
+        strips(start[lines], end[lines]), radii=size / 2, labels=np.array(labels)[lines].tolist(), **options
     )
     scene.log("rooms/edits/lines", strokes)
 
 
 def draw_map(scene: Scene, topology: TopologicalMap) -> None:
-    """Rooms with their doors at the input's resolution, and the graph."""
+    """Draw rooms and doors at the input's resolution, and the graph."""
     frame, rooms, ids = topology.frame, topology.rooms, np.array(topology.room_ids, np.int64)
     scene.keep("rooms/labels", classes(classes_of({room.id: room.title for room in rooms})))
     scene.raster("rooms/labels", as_classes(topology.labels), order=1.0, opacity=0.85)
@@ -136,22 +136,22 @@ def draw_map(scene: Scene, topology: TopologicalMap) -> None:
 
 
 def as_classes(labels: NDArray[np.int32]) -> NDArray[np.uint8] | NDArray[np.uint16]:
-    """Labels as class numbers in as few bytes as they fit; beyond 65,535 numbers repeat."""
+    """Labels as class numbers in the smallest type that holds them; numbers wrap around above 65,535."""
     if labels.max(initial=0) <= MOST_IN_A_BYTE:
         return labels.astype(np.uint8)
     return labels.astype(np.uint16)
 
 
 def room_classes(count: int) -> dict[int, tuple[str, tuple[int, ...]]]:
-    """Colour and name of labels 0 to `count`."""
+    """Name and colour of labels 0 to `count`."""
     return classes_of({room: f"room {room}" for room in range(1, count + 1)})
 
 
 def classes_of(titles: Mapping[int, str]) -> dict[int, tuple[str, tuple[int, ...]]]:
-    """Colour and name of labels, as `as_classes` gives them, by the titles of their rooms."""
+    """Name and colour of labels, numbered as by `as_classes`, from the titles of their rooms."""
     return {room % 2**16: (title, style.room(room)) for room, title in titles.items()} | {0: ("no room", style.CLEAR)}
 
 
 def spread(width: int) -> float:
-    """Scale that brings a map to about a thousand points, so that the labels of its graph do not collide."""
+    """Scale that makes a map about a thousand units wide, so that the labels of its graph do not overlap."""
     return 1000.0 / max(width, 1)

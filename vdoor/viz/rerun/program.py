@@ -1,4 +1,4 @@
-"""The `rerun` program as a child process, bound to this machine, and the files that it can load."""
+"""The `rerun` program as a child process that only listens locally, and a check of the files that it can load."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ END_S = 5.0
 
 
 def start(*words: str | Path, quiet: bool = True) -> subprocess.Popen[bytes]:
-    """Start the program that was installed with the library, in a process group of its own."""
+    """Start the program installed with the library, in its own process group."""
     output = subprocess.DEVNULL if quiet else None
     return subprocess.Popen(  # noqa: S603  # our own program
         [Path(sys.executable).with_name("rerun"), "--bind", HOST, *words],
@@ -32,7 +32,7 @@ def start(*words: str | Path, quiet: bool = True) -> subprocess.Popen[bytes]:
 
 
 def end(process: subprocess.Popen[bytes]) -> None:
-    """End the program and the viewer it started: the program is a script that only waits for that one."""
+    """End the program and the viewer that it started: the program is a script that only waits for the viewer."""
     for number in (signal.SIGTERM, signal.SIGKILL):
         try:
             os.killpg(process.pid, number)
@@ -44,7 +44,7 @@ def end(process: subprocess.Popen[bytes]) -> None:
 
 
 def wait_until_listening(process: subprocess.Popen[bytes], port: int, patience_s: float) -> bool:
-    """Whether the program takes connections before it ends or time is up."""
+    """Whether the program accepts connections before it exits or the time is up."""
     until = time.monotonic() + patience_s
     while not listening(HOST, port):
         if process.poll() is not None or time.monotonic() > until:
@@ -54,7 +54,7 @@ def wait_until_listening(process: subprocess.Popen[bytes], port: int, patience_s
 
 
 def listening(host: str, port: int) -> bool:
-    """Whether somebody takes connections there."""
+    """Whether connections to a port are accepted."""
     try:
         with socket.create_connection((host, port), timeout=2.0):
             return True
@@ -63,18 +63,18 @@ def listening(host: str, port: int) -> bool:
 
 
 def free_port() -> int:
-    """A port nobody listens on."""
+    """A port that is not in use."""
     with socket.socket() as probe:
         probe.bind((HOST, 0))
         return int(probe.getsockname()[1])
 
 
 MAGIC = b"RRF"
-"""How all versions of the format begin."""
+"""First bytes of a file, in all versions of the format."""
 
 
 def refuse_unreadable(path: Path) -> None:
-    """VdoorError where a file is no Rerun recording, or one that was cut short: a viewer would wait for the rest."""
+    """Raise `VdoorError` unless a file is a complete Rerun recording: a viewer would wait for the rest of it."""
     with path.open("rb") as stream:
         if stream.read(len(MAGIC)) != MAGIC:
             raise VdoorError(f"recording: wanted a Rerun recording, found another file: {path}")
@@ -86,6 +86,6 @@ def refuse_unreadable(path: Path) -> None:
         whole = False
     if not whole:
         raise VdoorError(
-            "recording: wanted a whole Rerun recording, found a damaged one or one that was cut short; "
+            "recording: wanted a complete Rerun recording, found a damaged one or one cut short; "
             f"`rerun rrd merge --continue-on-error -o FIXED.rrd BROKEN.rrd` may save what is left: {path}"
         )

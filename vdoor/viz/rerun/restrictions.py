@@ -1,4 +1,4 @@
-"""Where the robot must not go, as the map's file says: drawn in the recording and in the report."""
+"""Virtual walls and no-go areas from the map's file, for the recording and the report."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ from vdoor.viz.rerun import style
 
 
 def restrictions(grid: OccupancyGrid) -> list[tuple[str, style.Colour, Sequence[Line]]]:
-    """Kinds of restrictions with their colour and lines, x and y in metres, areas closed; none where none are known."""
+    """Kinds of restrictions with colour and lines, x and y in metres, areas closed; empty if the file has none."""
     try:
-        said = read_annotations(grid.source)
-    except MapError:  # the files of a recording can be any
-        said = None
-    if said is None:
+        found = read_annotations(grid.source)
+    except MapError:  # a recording can contain any files
+        found = None
+    if found is None:
         return []
     return [
-        ("virtual wall", style.VIRTUAL_WALL, said.virtual_walls_m),
-        ("no-go area", style.NO_GO, [(*area, area[0]) for area in said.no_go_areas_m]),
-        ("no-mop area", style.NO_MOP, [(*area, area[0]) for area in said.no_mop_areas_m]),
+        ("virtual wall", style.VIRTUAL_WALL, found.virtual_walls_m),
+        ("no-go area", style.NO_GO, [(*area, area[0]) for area in found.no_go_areas_m]),
+        ("no-mop area", style.NO_MOP, [(*area, area[0]) for area in found.no_mop_areas_m]),
     ]

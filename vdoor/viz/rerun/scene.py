@@ -1,4 +1,4 @@
-"""A Rerun stream that knows where in the run it is: every row carries the global step and stage."""
+"""A Rerun stream that tracks its position in the run: every row has the global step and stage."""
 
 from __future__ import annotations
 
@@ -12,30 +12,30 @@ from numpy.typing import NDArray
 from vdoor.record import Record, Spec, specs, tables
 
 LARGEST_SIDE_PX = 16_384
-"""Textures end here; larger rasters are drawn reduced."""
+"""Maximum size of a texture; larger rasters are reduced."""
 SCRUBBED = ("sample", "corner", "generation")
-"""Timelines beside `step` and `stage`.
+"""Timelines besides `step` and `stage`.
 
-What does not move along one of them stands at its 0, so that it is seen there as well.
+Data that does not change along one of them is logged at its 0, so that it is visible there as well.
 """
 
 
 class Scene:
-    """Where the records of one run are drawn, one after the other."""
+    """Drawing surface for the records of one run, one after the other."""
 
     def __init__(self, stream: rr.RecordingStream, *, prefix: str = "") -> None:
         self.stream = stream
         self.prefix = prefix
-        """Before the name of every entity."""
+        """Prefix of the name of every entity."""
         self.step = 0
         self.stage = 0
         self.topics: list[str] = []
-        """Of the records so far; a topic's place among them is its stage."""
+        """Topics of the records so far; the index of a topic is its stage."""
         self.remembered: dict[str, Any] = {}
-        """What later records are drawn on, by topic."""
+        """Earlier records and values that later drawings need, by topic or name."""
 
     def begin(self, step: int, topic: str) -> None:
-        """Go to the next record."""
+        """Start the next record."""
         self.step = step
         if topic not in self.topics:
             self.topics.append(topic)
@@ -45,7 +45,7 @@ class Scene:
         self.log("state/stage", rr.StateChange(state=topic))
 
     def at(self, **places: int) -> None:
-        """Set the time of what is logged next: the step, and a place on the timelines named."""
+        """Set the time of the following logs: the step, and a position on the named timelines."""
         self.stream.set_time("step", sequence=self.step)
         self.stream.set_time("stage", sequence=self.stage)
         for timeline in SCRUBBED:
@@ -56,11 +56,11 @@ class Scene:
         self.stream.log(self.prefix + entity, what[0], *what[1:])
 
     def keep(self, entity: str, what: Any) -> None:
-        """Log for all times."""
+        """Log static data, valid at all times."""
         self.stream.log(self.prefix + entity, what, static=True)
 
     def columns(self, entity: str, timeline: str, places: NDArray[Any], columns: Iterable[Any]) -> None:
-        """Log one row for each place on a timeline, all at this step."""
+        """Log one row for each position on a timeline, all at this step."""
         zeros = np.zeros(len(places), np.int64)
         sequences = dict.fromkeys(SCRUBBED, zeros) | {
             "step": zeros + self.step,
@@ -71,21 +71,21 @@ class Scene:
         self.stream.send_columns(self.prefix + entity, indexes=indexes, columns=columns)
 
     def raster(self, entity: str, classes: NDArray[Any], *, order: float = 0.0, opacity: float = 1.0) -> None:
-        """A raster of class numbers (h, w), reduced where it is larger than a texture can be."""
+        """Log a raster of class numbers (h, w), reduced if it is larger than a texture can be."""
         reduce_by = -(-max(classes.shape) // LARGEST_SIDE_PX)
         if reduce_by > 1:
             classes = reduced(classes, reduce_by)
-            self.log(entity, rr.Transform3D(scale=(reduce_by, reduce_by, 1)))  # so that points still lie on it
-            self.say(f"{entity} is drawn at 1 : {reduce_by}, pictures end at {LARGEST_SIDE_PX} cells a side")
+            self.log(entity, rr.Transform3D(scale=(reduce_by, reduce_by, 1)))  # so that points still match it
+            self.log_text(f"{entity} is drawn at 1 : {reduce_by}, the largest picture is {LARGEST_SIDE_PX} cells wide")
         self.log(entity, rr.SegmentationImage(classes, draw_order=order, opacity=opacity))
 
-    def say(self, text: str) -> None:
-        """A line in the log."""
+    def log_text(self, text: str) -> None:
+        """Write a line to the text log."""
         self.log("log", rr.TextLog(text))
 
 
 def reduced(raster: NDArray[Any], by: int) -> NDArray[Any]:
-    """The largest value of each square of `by` x `by` cells; squares at the right and lower edge may be cut."""
+    """Maximum of each block of `by` x `by` cells; blocks at the right and lower edge may be smaller."""
     rows, cols = (np.arange(0, length, by) for length in raster.shape)
     by_rows = np.maximum.reduceat(raster, rows, axis=0)
     return np.asarray(np.maximum.reduceat(by_rows, cols, axis=1))
@@ -99,12 +99,12 @@ def classes(names: Mapping[int, tuple[str, Sequence[int]]]) -> rr.AnnotationCont
 
 
 def pixels(cells: NDArray[Any]) -> NDArray[np.float64]:
-    """Cells (k, 2) as row, col to x, y of a picture; whole numbers are cell centres."""
+    """Cells (k, 2), as row, col, as x, y of a picture; integer rows and columns are cell centres."""
     return np.asarray(cells, np.float64)[:, ::-1] + 0.5
 
 
 def strips(start: NDArray[Any], end: NDArray[Any]) -> NDArray[np.float32]:
-    """Segments (k, 2, 2) between cells, as exact as a picture can be."""
+    """Segments (k, 2, 2) between cells, as x, y of a picture in float32."""
     return np.stack([pixels(start), pixels(end)], axis=1).astype(np.float32)
 
 
@@ -112,7 +112,7 @@ Columns = dict[str, Any]
 
 
 def table(scene: Scene, record: Record, name: str, *, without: Sequence[str] = ()) -> None:
-    """A table of a record, some fields left out: one row each along the timeline of that name."""
+    """Log a table of a record, one row per position on the timeline `corner` or `row`, without some fields."""
     columns: Columns = {}
     for field in (field for field in tables(type(record))[name] if field not in without):
         values, spec = getattr(record, field), specs(type(record))[field][0]
@@ -125,7 +125,7 @@ def table(scene: Scene, record: Record, name: str, *, without: Sequence[str] = (
 
 
 def columns_of(field: str, values: NDArray[Any], *, spec: Spec) -> Columns:
-    """The columns of one field: words for codes, degrees for angles, one for each part of a vector."""
+    """Columns of one field: words for codes, degrees for angles, one column per component of a vector."""
     if spec.words:
         return {field: np.array(spec.words)[values].tolist()}
     if spec.unit == "rad":

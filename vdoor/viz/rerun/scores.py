@@ -1,4 +1,4 @@
-"""How the scores of doors are drawn, and what was proven of the choice among them."""
+"""Drawings of door scores and of the certificate."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from vdoor.viz.rerun.scene import Scene, strips, table
 
 
 def draw_scores(scene: Scene, scores: DoorScores) -> None:
-    """Likely doors in the colour of their log-odds, the others in a layer for each judgement; lines join conflicts."""
+    """Draw likely doors coloured by log-odds, the others in one layer per judgement, and lines between conflicts."""
     doors = scene.remembered["doors"]
     start, end = doors.start[scores.door], doors.end[scores.door]
     for code, judgement in enumerate(JUDGEMENTS):
@@ -23,14 +23,14 @@ def draw_scores(scene: Scene, scores: DoorScores) -> None:
         likely = code == LIKELY
         odds = scores.log_odds[own].tolist()
         labels = [
-            f"door {door}: {said:+.2f}{', closed in pass 2' if sure else ''}"
-            for door, said, sure in zip(scores.door[own], odds, scores.sure[own], strict=True)
+            f"door {door}: {log_odds:+.2f}{', closed in pass 2' if sure else ''}"
+            for door, log_odds, sure in zip(scores.door[own], odds, scores.sure[own], strict=True)
         ]
         scene.log(
             f"map/scores/{judgement}",
             rr.LineStrips2D(
                 strips(start[own], end[own]),
-                colors=[style.odds(said) for said in odds] if likely else style.JUDGED[judgement],
+                colors=[style.odds(log_odds) for log_odds in odds] if likely else style.JUDGED[judgement],
                 radii=0.2 if likely else 0.07,
                 labels=labels if likely else [f"{label}, {judgement}" for label in labels],
                 show_labels=False,
@@ -39,11 +39,11 @@ def draw_scores(scene: Scene, scores: DoorScores) -> None:
         )
     middle = (start + end) / 2
     joined = strips(middle[scores.rival_a], middle[scores.rival_b])
-    scene.log("map/scores/rivals", rr.LineStrips2D(joined, colors=style.RIVALS, radii=0.05, draw_order=27.0))
+    scene.log("map/scores/conflicts", rr.LineStrips2D(joined, colors=style.CONFLICTS, radii=0.05, draw_order=27.0))
     counts = np.bincount(scores.judgement, minlength=len(JUDGEMENTS))
     judged = ", ".join(f"{count} {word}" for count, word in zip(counts, JUDGEMENTS, strict=True))
     pairs, sure = len(scores.rival_a), int(scores.sure.sum())
-    scene.say(f"{judged}; {pairs} pairs in conflict; {sure} closed in pass 2; map {scores.share_rough:.0%} rough")
+    scene.log_text(f"{judged}; {pairs} pairs in conflict; {sure} closed in pass 2; map {scores.share_rough:.0%} rough")
     table(scene, scores, "scored", without=["feature"])
     if len(scores.door):
         features: dict[str, Any] = {name: scores.feature[:, at] for at, name in enumerate(FEATURES)}
@@ -52,7 +52,7 @@ def draw_scores(scene: Scene, scores: DoorScores) -> None:
 
 
 def draw_certificate(scene: Scene, certificate: Certificate) -> None:
-    """The bound as a line in the plot of costs, and what it proves in words."""
+    """Draw the lower bound as a line in the cost plot, and the proof as text."""
     last = scene.remembered.get("generations", 0)
     ends = np.array([0, max(last, 1)])
     bound = certificate.lower_bound
@@ -63,4 +63,4 @@ def draw_certificate(scene: Scene, certificate: Certificate) -> None:
     table_rows = "".join(f"| {name} | {number:.6f} |\n" for name, number in rows.items())
     text = f"The choice of doors is {proven}.\n\n| | |\n|---|---|\n{table_rows}\nNo choice costs less than the bound.\n"
     scene.log("certificate", rr.TextDocument(text, media_type="text/markdown"))
-    scene.say(f"{proven.strip('*')}: cost {certificate.cost:.4f}, bound {bound:.4f}, gap {certificate.gap:.4f}")
+    scene.log_text(f"{proven.strip('*')}: cost {certificate.cost:.4f}, bound {bound:.4f}, gap {certificate.gap:.4f}")

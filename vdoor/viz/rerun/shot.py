@@ -1,4 +1,4 @@
-"""Pictures of a recording on a machine without a screen, by Rerun's headless viewer."""
+"""Screenshots of a recording on a machine without a screen, by Rerun's headless viewer."""
 
 from __future__ import annotations
 
@@ -23,20 +23,20 @@ NO_RENDERER = (
 
 @dataclass(frozen=True)
 class Shot:
-    """One picture."""
+    """One screenshot."""
 
     tab: str
     number: int
-    """Of the tab, from the left."""
+    """Index of the tab, from the left."""
     png: bytes
     problems: tuple[str, ...]
-    """What views reported instead of drawing."""
+    """Errors that views reported."""
 
 
 def shots(
     recording: Path, *, tabs: tuple[str, ...] | None = None, size: tuple[int, int] = (1600, 1000)
 ) -> Iterator[Shot]:
-    """A picture of each tab, or of some, at the end of the recording; VdoorError where pictures cannot be made."""
+    """Screenshots of each tab, or of `tabs`, at the end of the recording; `VdoorError` if they cannot be made."""
     with headless(recording, size) as client:
         current = client.get_state().recordings[0]
         last = next((line.end for line in current.timelines if line.name == "step"), None) or 0
@@ -50,30 +50,30 @@ def shots(
 
 
 def open_tab(client: ViewerClient, tab: str) -> None:
-    """Bring a tab of the recording's blueprint to the front; VdoorError where it has no such tab."""
-    there = tabs_in(client)
-    if tab not in there:
-        raise VdoorError(f"pictures: wanted one of the recording's tabs, {', '.join(there)}, found {tab!r}")
+    """Bring a tab of the recording's blueprint to the front; `VdoorError` if there is no such tab."""
+    known = tabs_in(client)
+    if tab not in known:
+        raise VdoorError(f"pictures: wanted one of the recording's tabs, {', '.join(known)}, found {tab!r}")
     layout = client.get_blueprint(of="recording").blueprint
-    layout[root_of(layout)]["ContainerBlueprint"]["active_tab"] = there[tab]
+    layout[root_of(layout)]["ContainerBlueprint"]["active_tab"] = known[tab]
     client.set_blueprint(layout, of="recording")
 
 
 def tabs_in(client: ViewerClient) -> dict[str, str]:
-    """The tabs of the recording's blueprint from left to right, each with its entity."""
+    """Entities of the tabs of the recording's blueprint, by name, from left to right."""
     layout = client.get_blueprint(of="recording").blueprint
     paths = layout[root_of(layout)]["ContainerBlueprint"]["contents"]
     return {layout[path]["ContainerBlueprint"]["display_name"]: path for path in paths}
 
 
 def root_of(layout: Mapping[str, Any]) -> str:
-    """The entity of the container that holds all others."""
+    """Entity of the root container."""
     return "/container/" + str(layout["/viewport"]["ViewportBlueprint"]["root_container"])
 
 
 @contextmanager
 def headless(recording: Path, size: tuple[int, int]) -> Iterator[ViewerClient]:
-    """A viewer without a window, once it has loaded the recording."""
+    """A viewer without a window that has loaded the recording."""
     if not recording.is_file():
         raise VdoorError(f"pictures: wanted a recording, found none: {recording}")
     port = free_port()
@@ -98,7 +98,7 @@ def wait_until_loaded(client: ViewerClient, process: subprocess.Popen[bytes], re
         try:
             state = client.get_state()
         except (RuntimeError, ConnectionError, ValueError):
-            state = None  # it listens before it answers
+            state = None  # it accepts connections before it answers
         if state and state.recordings and not state.loading:
             return
         time.sleep(0.1)
@@ -106,7 +106,7 @@ def wait_until_loaded(client: ViewerClient, process: subprocess.Popen[bytes], re
 
 
 def steady(client: ViewerClient) -> bytes:
-    """The picture once two in a row are equal."""
+    """A screenshot that equals the one before it, so that drawing has finished; the last one if time is up."""
     until = time.monotonic() + STEADY_S
     before = b""
     while time.monotonic() < until:

@@ -1,4 +1,4 @@
-"""The Rerun recording: a sink that draws every record as it comes, into a file or a live viewer."""
+"""The Rerun recording: a sink that draws each record as it arrives, into a file or a live viewer."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ APPLICATION = "vdoor"
 GRPC_PORT, WEB_PORT = 9876, 9090
 PATIENCE_S = 10.0
 FLUSH_S = 60.0
-"""Rerun's writer ends at its first error, and a flush without a limit may then wait for ever."""
+"""Time limit of a flush: Rerun's writer ends at its first error, and a flush could then wait forever."""
 SPARE_BYTES = 4_000_000
 SWITCHED_OFF = ("0", "false", "off", "no")
 
@@ -48,7 +48,7 @@ class RerunSink:
     ) -> None:
         self.path = path
         self.address = ""
-        """Where a browser finds it."""
+        """URL for a browser, of a web server."""
         self._stream: rr.RecordingStream | None = stream
         self._server = server
         self._scene = Scene(stream)
@@ -57,7 +57,7 @@ class RerunSink:
 
     @classmethod
     def to_file(cls, path: Path, info: RunInfo) -> RerunSink:
-        """Draw into a file, the blueprint with it; VdoorError where it cannot be written."""
+        """Draw into a file, with the blueprint; `VdoorError` if it cannot be written."""
         stream = new_stream(info)
         with errors_at(path):
             path.touch()
@@ -70,7 +70,7 @@ class RerunSink:
 
     @classmethod
     def connect(cls, url: str, info: RunInfo) -> RerunSink:
-        """Draw in a viewer that runs; `url` as host:port or rerun+http://host:port/proxy."""
+        """Draw in a running viewer; `url` is host:port or rerun+http://host:port/proxy."""
         try:
             parts = urlsplit(url if "//" in url else f"//{url}")
             host, port = parts.hostname or HOST, parts.port or GRPC_PORT
@@ -88,14 +88,14 @@ class RerunSink:
 
     @classmethod
     def spawn(cls, info: RunInfo) -> RerunSink:
-        """Open a viewer and draw in it; it stays open."""
+        """Start a viewer and draw in it; the viewer stays open."""
         port = preferred(GRPC_PORT)
         start_viewer("--port", str(port), port=port)
         return cls._to(HOST, port, info)
 
     @classmethod
     def serve(cls, info: RunInfo) -> RerunSink:
-        """Draw in a web viewer on this machine; `close` waits until it is interrupted."""
+        """Draw in a web viewer served from this machine; `close` waits until it is interrupted."""
         port, web_port = preferred(GRPC_PORT), preferred(WEB_PORT)
         server = start_viewer("--serve-web", "--port", str(port), "--web-viewer-port", str(web_port), port=port)
         sink = cls._to(HOST, port, info, server=server)
@@ -103,9 +103,9 @@ class RerunSink:
         return sink
 
     def write(self, step: int, record: Record) -> None:
-        """Draw one record; in a file it survives a kill from here on."""
+        """Draw one record; in a file, it survives a kill once this returns."""
         if self._stream is None:
-            raise VdoorError("recording: is closed")
+            raise VdoorError("recording: closed")
         if self.path is not None:
             check_room(self.path, record)
         with errors_at(self.path):
@@ -114,7 +114,7 @@ class RerunSink:
             self._stream.flush(timeout_sec=FLUSH_S)
 
     def close(self) -> None:
-        """Write the footer; a server goes on until Ctrl-C."""
+        """Write the footer; a server keeps running until Ctrl-C."""
         if self._stream is None:
             return
         stream, self._stream = self._stream, None
@@ -123,18 +123,18 @@ class RerunSink:
             stream.disconnect()
         if self._server is not None:
             try:
-                say(f"open {self.address} in a browser; Ctrl-C ends it")
+                say(f"open {self.address} in a browser; stop with Ctrl-C")
                 self._server.wait()
             except (KeyboardInterrupt, SystemExit):
-                pass  # that is how serving ends
+                pass  # the normal end of serving
             finally:
                 end(self._server)
 
 
 def new_stream(info: RunInfo, *, live: bool = False) -> rr.RecordingStream:
-    """A stream without anything of the clock; in a file its id follows from the run, so that equal runs have equal ids.
+    """A stream without clock times. In a file its id is derived from the run, so that equal runs have equal ids.
 
-    A live viewer would add an equal run to the one it shows: there every run has an id of its own.
+    For a live viewer each run has a random id, as the viewer would merge runs with equal ids.
     """
     if os.environ.get("RERUN", "").lower() in SWITCHED_OFF:
         raise VdoorError(f"recording: Rerun is switched off by RERUN={os.environ['RERUN']} in the environment")
@@ -147,7 +147,7 @@ def new_stream(info: RunInfo, *, live: bool = False) -> rr.RecordingStream:
 
 
 def recording_id(info: RunInfo) -> str:
-    """Thirty-two hex digits from the map's bytes, the settings and the seed."""
+    """Thirty-two hex digits derived from the map's bytes, the version, the settings and the seed."""
     digest = hashlib.sha256(json.dumps([info.version, info.preset, info.seed, info.settings], sort_keys=True).encode())
     for name, data in info.source.files:
         digest.update(name.encode() + b"\0" + data)
@@ -155,13 +155,13 @@ def recording_id(info: RunInfo) -> str:
 
 
 def described(info: RunInfo) -> str:
-    """What the views show, and what was run."""
+    """Guide to the views, and the run's version, preset, seed and map."""
     files = ", ".join(name for name, _ in info.source.files) or "an array"
     return f"{description(info)}\nvdoor {info.version}, preset `{info.preset}`, seed {info.seed}, map: {files}\n"
 
 
 def check_room(path: Path, record: Record) -> None:
-    """VdoorError where the disk has no room for a record, before Rerun's writer meets it and hangs."""
+    """Raise `VdoorError` if the disk has no room for a record, as Rerun's writer would hang."""
     arrays = (value.nbytes for value in vars(record).values() if isinstance(value, np.ndarray))
     wanted, found = 2 * sum(arrays) + SPARE_BYTES, shutil.disk_usage(path).free
     if found < wanted:
@@ -171,7 +171,7 @@ def check_room(path: Path, record: Record) -> None:
 
 @contextmanager
 def errors_at(path: Path | None) -> Iterator[None]:
-    """Turn what goes wrong with the file into one line that names it."""
+    """Turn file errors into a `VdoorError` with the path."""
     try:
         yield
     except (OSError, RuntimeError) as error:
@@ -180,18 +180,18 @@ def errors_at(path: Path | None) -> Iterator[None]:
 
 
 def open_viewer(recording: Path) -> None:
-    """Show a recording in a viewer on this machine's screen, until it is closed."""
+    """Show a recording in a viewer on this machine's screen, until the viewer is closed."""
     if start("--", recording, quiet=False).wait():
-        raise VdoorError(f"view: the viewer did not start or ended badly: {recording}")
+        raise VdoorError(f"view: the viewer did not start or failed: {recording}")
 
 
 def preferred(port: int) -> int:
-    """The port asked for, or a free one where it is taken."""
+    """The given port, or a free one if it is in use."""
     return free_port() if listening(HOST, port) else port
 
 
 def start_viewer(*words: str, port: int) -> subprocess.Popen[bytes]:
-    """A viewer or server, once it listens."""
+    """A viewer or server that accepts connections; `VdoorError` if it does not start."""
     process = start(*words)
     if not wait_until_listening(process, port, PATIENCE_S):
         end(process)
@@ -203,7 +203,7 @@ def start_viewer(*words: str, port: int) -> subprocess.Popen[bytes]:
 
 @contextmanager
 def whole_recording(path: Path, info: RunInfo, blueprint: rrb.Blueprint) -> Iterator[Scene]:
-    """Where to draw; the file is there when the block ends. VdoorError where it cannot be written."""
+    """A scene to draw on; the file is complete when the block ends. `VdoorError` if it cannot be written."""
     partial = partial_name(path)
     stream = new_stream(info)
     try:

@@ -1,4 +1,4 @@
-"""Colours by name, the same in every view. Corners and doors have the colours of the paper's figures."""
+"""Colours by name, the same in all views. Corners and doors have the colours of the paper's figures."""
 
 from __future__ import annotations
 
@@ -46,8 +46,8 @@ JUDGED: dict[str, Colour] = {"unlikely": (150, 150, 120), "outdone": (200, 120, 
 DOUBTFUL: Colour = (240, 150, 30)
 SURE: Colour = (20, 120, 60)
 SURE_LOG_ODDS = 4.0
-"""From which on a door has the colour of a sure one; down to minus this, of a doubtful one."""
-RIVALS: Colour = (200, 60, 160)
+"""Log-odds at which a door has the full colour of sure doors; at minus this, that of doubtful doors."""
+CONFLICTS: Colour = (200, 60, 160)
 EDIT: Colour = (150, 40, 190)
 NODE: Colour = (236, 196, 30)
 EDGE_MIDDLE: Colour = (214, 50, 60)
@@ -62,7 +62,7 @@ GOLDEN_RATIO = 0.61803398875
 
 
 def odds(log_odds: float) -> Colour:
-    """From the colour of doubtful doors to that of sure ones."""
+    """Colour of a door, between those of doubtful and sure doors."""
     share = min(max(log_odds / SURE_LOG_ODDS, -1.0), 1.0) / 2 + 0.5
     red, green, blue = (round(one + share * (other - one)) for one, other in zip(DOUBTFUL, SURE, strict=True))
     return red, green, blue

@@ -1,4 +1,4 @@
-"""Sweeps as charts: Rerun's own plots run over time alone, so these are drawn as pictures with axes."""
+"""Charts of sweeps, drawn as pictures with axes, as Rerun's own plots only run over time."""
 
 from __future__ import annotations
 
@@ -34,18 +34,19 @@ from vdoor.viz.rerun.scene import Scene, classes
 from vdoor.viz.rerun.sink import whole_recording
 
 WIDTH, HEIGHT = 480, 280
-"""Of a chart in pixels of its picture, without what stands around it."""
+"""Size of a chart in pixels of its picture, without margins."""
 ROOM = (60, 25, 25, 75)
-"""Around it: left, right, above, below."""
+"""Margins of a chart: left, right, above, below."""
 LABEL_UP = 12.0
-"""The viewer writes words below their place; those at the height of a line go up by so much."""
+"""Upward shift of labels beside a line, as the viewer writes labels below their position."""
 PAPER: style.Colour = (16, 17, 20)
 INK: style.Colour = (214, 216, 220)
 FAINT: style.Colour = (48, 51, 56)
 OWN: style.Colour = (170, 174, 182)
 FAILED: style.Colour = (240, 80, 90)
-"""The viewer writes on dark plates, so the charts are dark."""
+"""Dark colours, as the viewer draws labels on dark plates."""
 LIGHTER = 0.45
+"""Fraction by which line colours are lightened on the dark ground."""
 BAND_OPACITY = 0.12
 WORD_PX = 16
 """Half the width of a band over a word."""
@@ -54,7 +55,7 @@ OVERVIEW = "Overview"
 
 
 class Chart:
-    """One panel of one sweep: from numbers to pixels, x to the right and y down."""
+    """One panel of one sweep, with the mapping from numbers to pixels, x right and y down."""
 
     def __init__(self, points: Sequence[Point], panel: Panel, ends: tuple[float, float]) -> None:
         self.points, self.panel, self.ends = points, panel, ends
@@ -64,17 +65,17 @@ class Chart:
         self.across = float(low - spare), float(high + spare)
 
     def x(self, places: Numbers | float) -> Numbers:
-        """Pixels of places on the axis of values."""
+        """Pixel columns of positions on the axis of values."""
         low, high = self.across
         return np.asarray((np.asarray(places) - low) / (high - low) * WIDTH)
 
     def y(self, numbers: Numbers | float) -> Numbers:
-        """Pixels of numbers."""
+        """Pixel rows of numbers."""
         low, high = self.ends
         return np.asarray((high - np.asarray(numbers)) / (high - low) * HEIGHT)
 
     def band(self, series: Series) -> NDArray[np.bool_]:
-        """Pixels (HEIGHT, WIDTH) within a series' band; over words only near each."""
+        """Mask (HEIGHT, WIDTH) of the pixels in a series' band; over words, only near each word."""
         columns, rows = np.arange(WIDTH) + 0.5, np.arange(HEIGHT)[:, None] + 0.5
         places = self.x(self.axis.places)
         ends = [self.y(side) for side in (series.high, series.low)]
@@ -85,11 +86,11 @@ class Chart:
             nearest = np.abs(columns[:, None] - places).argmin(axis=1)
             covered = np.abs(columns - places[nearest]) <= WORD_PX
             top, bottom = (end[nearest] for end in ends)
-        return np.asarray(covered & (rows >= top) & (rows <= bottom))  # of nan neither is true
+        return np.asarray(covered & (rows >= top) & (rows <= bottom))  # both are false for nan
 
 
 def save_sweeps(path: Path, points: Sequence[Point]) -> None:
-    """Write a Rerun recording with a tab for each setting; VdoorError where it cannot be written."""
+    """Write a Rerun recording with one tab per setting; `VdoorError` if it cannot be written."""
     sweeps = by_setting(points)
     with whole_recording(path, _identity(points), blueprint(list(sweeps))) as scene:
         scene.begin(0, "sweep")
@@ -101,7 +102,7 @@ def save_sweeps(path: Path, points: Sequence[Point]) -> None:
 
 
 def blueprint(settings: Sequence[Setting]) -> rrb.Blueprint:
-    """The doors of all sweeps beside each other, then each sweep with all its panels and figures."""
+    """Tabs with the first panel of all sweeps side by side, then each sweep with all its panels and figures."""
     first = PANELS[0]
     overview = [_view(number, 0, f"{first.title} over {label_of(setting)}") for number, setting in enumerate(settings)]
     tabs: list[rrb.Container] = [rrb.Grid(*overview, name=OVERVIEW)]
@@ -121,7 +122,7 @@ def blueprint(settings: Sequence[Setting]) -> rrb.Blueprint:
 
 
 def draw_chart(scene: Scene, entity: str, chart: Chart) -> None:
-    """Axes, the preset's own value, bands and lines."""
+    """Draw axes, the preset's own value, bands and lines."""
     draw_axes(scene, entity, chart)
     for number, line in enumerate(chart.panel.lines):
         draw_line(scene, f"{entity}/{line.figure}", chart, line, order=10.0 + number)
@@ -133,7 +134,7 @@ def draw_chart(scene: Scene, entity: str, chart: Chart) -> None:
 
 
 def draw_axes(scene: Scene, entity: str, chart: Chart) -> None:
-    """Lines at round numbers, the numbers beside them, and what the axes say."""
+    """Draw lines at round numbers, their labels, the labels of the values and the preset's own value."""
     axis = chart.axis
     levels = ticks(*chart.ends)
     across = [[[0.0, y], [WIDTH, y]] for y in chart.y(levels)]
@@ -150,7 +151,7 @@ def draw_axes(scene: Scene, entity: str, chart: Chart) -> None:
 
 
 def draw_line(scene: Scene, entity: str, chart: Chart, line: Line, *, order: float) -> None:
-    """One figure with its band: a line over numbers, points over words; each point says its value when pointed at."""
+    """Draw one figure with its band: a line over numbers, points over words; each point has a label with its value."""
     series = series_of(chart.points, line, chart.panel)
     if line.band:
         scene.keep(f"{entity}/band", classes({0: ("", style.CLEAR), 1: (line.name, light(line.colour))}))
@@ -164,13 +165,13 @@ def draw_line(scene: Scene, entity: str, chart: Chart, line: Line, *, order: flo
         strips = [piece[np.isfinite(piece[:, 1])] for piece in pieces]
         scene.log(entity, rr.LineStrips2D(strips, colors=colour, radii=1.0, draw_order=order))
     labels = [f"{line.name} {mean:.4g} at {text}" for mean, text in zip(series.mean, chart.axis.texts, strict=True)]
-    labels = [label for label, there in zip(labels, known, strict=True) if there]
+    labels = [label for label, is_known in zip(labels, known, strict=True) if is_known]
     dots = rr.Points2D(spots[known], colors=colour, radii=2.6, labels=labels, show_labels=False, draw_order=order)
     scene.log(f"{entity}/points", dots)
 
 
 def draw_failed(scene: Scene, entity: str, chart: Chart) -> None:
-    """A point where maps failed, which says how many when pointed at."""
+    """Draw a point where maps failed, with a label for their number."""
     failed = np.array([len(point.failed) for point in chart.points])
     places = chart.x(chart.axis.places[failed > 0])
     spots = np.stack([places, np.full(len(places), float(chart.y(0.0)))], axis=1)
@@ -180,7 +181,7 @@ def draw_failed(scene: Scene, entity: str, chart: Chart) -> None:
 
 
 def draw_legend(scene: Scene, entity: str, names: Sequence[tuple[str, style.Colour]]) -> None:
-    """Names in their colours, below the chart."""
+    """Draw names in their colours below the chart."""
     step = WIDTH / len(names)
     spots = [(step * (number + 0.5), HEIGHT + 36.0) for number in range(len(names))]
     texts, colours = zip(*names, strict=True)
@@ -188,7 +189,7 @@ def draw_legend(scene: Scene, entity: str, names: Sequence[tuple[str, style.Colo
 
 
 def ticks(low: float, high: float) -> Numbers:
-    """At most six round numbers between two: whole multiples of 1, 2 or 5 times a power of ten."""
+    """Round numbers between two, in at most six steps: multiples of 1, 2 or 5 times a power of ten."""
     rough = (high - low) / MOST_TICKS
     power = 10.0 ** np.floor(np.log10(rough))
     step = next(size * power for size in (1, 2, 5, 10) if size * power >= rough)
@@ -196,13 +197,13 @@ def ticks(low: float, high: float) -> Numbers:
 
 
 def light(colour: style.Colour) -> style.Colour:
-    """The colour as it is seen well on the dark."""
+    """A colour lightened for a dark ground."""
     red, green, blue = (round(part + LIGHTER * (255 - part)) for part in colour)
     return red, green, blue
 
 
 def markdown(points: Sequence[Point]) -> str:
-    """The table of one sweep, and what the charts show."""
+    """Table of one sweep and notes on its charts, as Markdown."""
     heads = ["value", *SHARES, *COUNTS, "accuracy", *STAGES, "cost", "failed"]
     rows = [f"| {' | '.join(cells)} |" for cells in (heads, ["---"] * len(heads), *map(row, points))]
     setting = points[0].setting
@@ -210,7 +211,7 @@ def markdown(points: Sequence[Point]) -> str:
 
 
 def _words(scene: Scene, entity: str, spots: Sequence[tuple[float, float]], texts: Sequence[str]) -> None:
-    """Text at places of the picture."""
+    """Draw texts at points of the picture."""
     scene.log(entity, rr.Points2D(spots, colors=INK, radii=0.0, labels=texts, show_labels=True, draw_order=5.0))
 
 
@@ -221,6 +222,6 @@ def _view(sweep: int, panel: int, name: str) -> rrb.Spatial2DView:
 
 
 def _identity(points: Sequence[Point]) -> RunInfo:
-    """What the recording's id follows from: equal sweeps have equal ones."""
+    """Information that the recording's id is derived from; equal sweeps have equal ids."""
     figures = {f"{point.setting.name}={point.value}": point.maps for point in points}
     return RunInfo(version=__version__, preset="sweep", seed=0, settings=figures)

@@ -1,1 +1,1 @@
-"""A recorded run in a terminal: its stages as maps, plots and tables, and a walk through them with keys."""
+"""A recorded run in a terminal: its stages as maps, plots and tables, and a stepper with key control."""

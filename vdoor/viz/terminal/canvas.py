@@ -1,4 +1,4 @@
-"""Maps being drawn: each cell has an ink, and the most telling ink stays."""
+"""Maps drawn cell by cell: each cell has one ink, and the one of highest priority stays."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ Raster = NDArray[Any]
 
 
 class Ink(NamedTuple):
-    """How one thing is drawn."""
+    """Name, colour and letter of one kind of cell."""
 
     name: str
     colour: str
@@ -49,17 +49,17 @@ INKS = (
     Ink("door", "#ff3b30", "="),
     Ink("backward", "#00c2c7", "<"),
     Ink("forward", "#00d26a", ">"),
-    Ink("chosen", "#ff00d4", "*"),
+    Ink("selected", "#ff00d4", "*"),
     Ink("walker", "#ffe600", "@"),
 )
-"""In the order of what they tell: the later one covers the earlier."""
+"""All inks, by increasing priority: later ones cover earlier ones."""
 CODE = {ink.name: code for code, ink in enumerate(INKS)}
 LETTERS = "0123456789abcdefghijklmnopqrstuvwxyz"
-"""Rooms in plain text, by their number; after z they begin again."""
+"""Letters of rooms in plain text, by room number; they repeat after z."""
 
 
 class Label(NamedTuple):
-    """A word over the map; row and col are where it begins."""
+    """A text over the map; row and col are its middle."""
 
     row: float
     col: float
@@ -68,7 +68,7 @@ class Label(NamedTuple):
 
 @dataclass
 class Canvas:
-    """A map being drawn: inks (h, w), and the room's number + 1 for free cells that are tinted, else 0."""
+    """A map to draw on: inks (h, w), and tints (h, w), the room's number + 1 for tinted free cells, else 0."""
 
     inks: NDArray[np.uint8]
     tints: NDArray[np.uint8]
@@ -76,30 +76,30 @@ class Canvas:
 
     @classmethod
     def of(cls, cells: Raster) -> Canvas:
-        """The ground: unknown, free and wall of an occupancy raster on the scale of -1, 0 to 100."""
+        """Canvas with the unknown, free and occupied cells of an occupancy raster (-1, 0 to 100)."""
         inks = np.full(cells.shape, CODE["unknown"], np.uint8)
         inks[cells == FREE] = CODE["free"]
         inks[cells == OCCUPIED] = CODE["wall"]
         return cls(inks, np.zeros(cells.shape, np.uint8))
 
     def copy(self) -> Canvas:
-        """One to draw on without changing this one."""
+        """Copy that can be drawn on without changing this one."""
         return Canvas(self.inks.copy(), self.tints.copy(), list(self.labels))
 
     def paint(self, ink: str, cells: Raster) -> Canvas:
-        """Cells (k, 2) in an ink, where nothing more telling is; those beyond the edge are left out."""
+        """Paint cells (k, 2), except where an ink of higher priority is; cells beyond the edge are ignored."""
         row, col = np.rint(np.asarray(cells, np.float64).reshape(-1, 2)).astype(np.int64).T
         inside = (row >= 0) & (col >= 0) & (row < self.inks.shape[0]) & (col < self.inks.shape[1])
         np.maximum.at(self.inks, (row[inside], col[inside]), np.uint8(CODE[ink]))
         return self
 
     def fill(self, ink: str, where: Raster) -> Canvas:
-        """All cells of a mask (h, w) in an ink, where nothing more telling is."""
+        """Paint all cells of a mask (h, w), except where an ink of higher priority is."""
         self.inks[where] = np.maximum(self.inks[where], CODE[ink])
         return self
 
     def line(self, ink: str, start: Raster, end: Raster, *, ends: bool = False) -> Canvas:
-        """Straight lines between cells (k, 2) and (k, 2), their ends left out or not."""
+        """Paint straight lines between cells (k, 2) and (k, 2), with or without their ends."""
         for one, other in zip(np.reshape(start, (-1, 2)), np.reshape(end, (-1, 2)), strict=True):
             steps = max(int(np.ceil(np.abs(other - one).max())), 1)
             share = np.arange(1 - ends, steps + ends)[:, None] / steps
@@ -107,17 +107,17 @@ class Canvas:
         return self
 
     def tint(self, rooms: Raster, where: Raster) -> Canvas:
-        """Free cells of a mask (h, w) in the colours of their rooms (h, w)."""
+        """Tint the free cells of a mask (h, w) in the colours of their rooms (h, w)."""
         self.tints[where] = 1 + rooms[where] % len(LETTERS)
         return self
 
     def write(self, cells: Raster, texts: Iterable[str]) -> Canvas:
-        """Words with their middle at cells (k, 2)."""
+        """Write texts centred at cells (k, 2)."""
         self.labels += [Label(float(cell[0]), float(cell[1]), text) for cell, text in zip(cells, texts, strict=True)]
         return self
 
     def legend(self) -> Columns:
-        """The inks in use, each with its colour and its letter."""
+        """Legend of the inks in use, each with its colour and letter."""
         used = np.flatnonzero(np.bincount(self.inks.ravel(), minlength=len(INKS)))
         swatches = []
         for ink in (INKS[code] for code in used.tolist() if code != CODE["unknown"]):
@@ -127,7 +127,7 @@ class Canvas:
 
 
 def readable(background: str) -> str:
-    """Black or white, whichever is read on a colour."""
+    """Black or white, whichever is readable on a colour."""
     red, green, blue = (int(background[at : at + 2], 16) for at in (1, 3, 5))
-    bright = 140_000  # halfway on the eye's scale of 0 to 255 x 1000
+    bright = 140_000  # threshold of perceived brightness, from 0 to 255 x 1000
     return "black" if 299 * red + 587 * green + 114 * blue > bright else "white"

@@ -1,4 +1,4 @@
-"""The numbers behind what a walker sees, as pairs of a name and a value."""
+"""Numbers of the element that the stepper shows, as pairs of a name and a value."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ Facts = Iterator[tuple[str, str]]
 
 
 def facts(run: History, walk: Walk) -> Facts:
-    """What is known about the place where the walker stands."""
+    """Facts about the current element; pairs without a name are sentences."""
     yield "step", str(run.steps[walk.stage] + (walk.generation if walk.stage == SEARCH else 0))
     if walk.stage in FACTS:
         yield from FACTS[walk.stage](run, walk)
@@ -63,7 +63,7 @@ def _bend(run: History, walk: Walk) -> Facts:
 
 
 def _door(run: History, walk: Walk) -> Facts:
-    """A virtual door: its numbers, then each stage's decision in words."""
+    """A virtual door: its numbers, then the decision of each stage in words."""
     count = len(run.doors.verdict)
     if not count:
         yield "", "no virtual door was found"
@@ -80,14 +80,14 @@ def _door(run: History, walk: Walk) -> Facts:
     yield "length", f"{fate.length_m:.4f} m (at most {fate.max_length_m:g})"
     yield "width", f"{fate.width_m:.4f} m free"
     yield "tilt", f"{fate.tilt_deg:.2f} deg"
-    wanted = "" if fate.least_gap_m is None else f" (over {fate.least_gap_m:.3f} wanted)"
+    wanted = "" if fate.least_gap_m is None else f" (must exceed {fate.least_gap_m:.3f})"
     yield "path between", "two contours" if fate.gap_m is None else f"{fate.gap_m:.3f} m{wanted}"
     for line in list(door_lines(fate))[2:]:
         yield "", line.strip()
 
 
 def _plain_door(run: History, door: int) -> Facts:
-    """A virtual door of a baseline, which knows no corners."""
+    """A virtual door of a baseline, which has no corners."""
     doors = run.doors
     yield "door", f"{door} of {len(doors.verdict)}"
     yield "verdict", VERDICTS[doors.verdict[door]]
@@ -129,8 +129,8 @@ def _final(run: History, walk: Walk) -> Facts:
     yield "tilt", f"{door.tilt_deg:.2f} deg"
     edge = int(run.topology.edge[walk.final])
     if edge < 0:
-        added = "added by an edit, so no virtual door stands for it"
-        narrow = "a passage too narrow for the working resolution, so no virtual door stands for it"
+        added = "added by an edit, without a virtual door"
+        narrow = "a passage too narrow for the working resolution, without a virtual door"
         yield "", added if door.kind == "added" else narrow
         return
     virtual = int(run.initial.door[edge])

@@ -1,6 +1,6 @@
-"""Canvases as text, sized to where they are printed.
+"""Canvases as text, sized to the space in the terminal.
 
-In colour a character shows two pixels, one above the other (half blocks); without colour it is the ink's letter.
+In colour, a character shows two pixels, one above the other (half blocks); without colour, it is the ink's letter.
 """
 
 from __future__ import annotations
@@ -21,22 +21,22 @@ from vdoor.viz.terminal.canvas import CODE, INKS, LETTERS, Canvas, Label, readab
 
 MOST_ZOOM = 4
 PLAIN_ZOOM = 2
-"""Two letters beside each other are about as wide as high."""
+"""Two letters side by side are about as wide as high."""
 PLAIN = Style()
 
 
 @dataclass(frozen=True)
 class Picture:
-    """A canvas sized to where it is printed: as a whole, or around a cell where `centre` is given."""
+    """A canvas sized to the space in the terminal: the whole map, or the part around `centre` if that is given."""
 
     canvas: Canvas
     most_lines: int
     centre: tuple[float, float] | None = None
     zoom: int = 1
-    """Pixels to a cell, around a centre."""
+    """Pixels per cell, around a centre."""
 
     def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
-        """Lines of the map, then, where cells had to be left out, a line that says so."""
+        """Lines of the map, then a note on the scale if it is reduced."""
         plain = console.color_system is None or options.ascii_only
         lines = min(self.most_lines, options.height or self.most_lines)
         view = self._view(options.max_width, lines, plain=plain)
@@ -51,9 +51,9 @@ class Picture:
             yield from console.render(Text(view.note, style="italic dim"), options)
 
     def _view(self, width: int, lines: int, *, plain: bool) -> _View:
-        """What part of the canvas is shown, and how many cells go to a pixel or pixels to a cell."""
+        """Visible part of the canvas and its scale."""
         inks, tints = self.canvas.inks, self.canvas.tints
-        high, wide = max(lines, 1) * 2, max(width, 1)  # a small terminal leaves no line, the layout cuts this one
+        high, wide = max(lines, 1) * 2, max(width, 1)  # a small terminal may have no line left: the layout crops
         if self.centre is not None:
             high, wide = max(high // self.zoom, 1), max(wide // self.zoom, 1)
             top, left = (round(at - size / 2) for at, size in zip(self.centre, (high, wide), strict=True))
@@ -79,7 +79,7 @@ Cell = tuple[str, Style]
 
 @dataclass(frozen=True)
 class _View:
-    """Pixels to show, from which cell on, and how many cells a pixel has or pixels a cell."""
+    """Pixels to show, the cell of the first one, and the scale: cells per pixel or pixels per cell."""
 
     inks: NDArray[np.uint8]
     tints: NDArray[np.uint8]
@@ -91,26 +91,26 @@ class _View:
 
     @property
     def note(self) -> str:
-        """What was left out."""
+        """Note on the scale if cells had to be merged, else empty."""
         if self.block == 1 and (self.zoom > 1 or not self.plain):
             return ""
         size = f"{self.block} x {2 * self.block if self.plain else self.block}"
-        return f"one {'letter' if self.plain else 'pixel'} is {size} cells: walls and doors cover what is beside them"
+        return f"one {'letter' if self.plain else 'pixel'} is {size} cells: walls and doors hide cells beside them"
 
     def _pixels(self) -> NDArray[np.int64]:
-        """Room's number + len(INKS) where tinted, the ink elsewhere; an even number of rows."""
+        """Codes of pixels: the room's number + len(INKS) where tinted, else the ink; the number of rows is even."""
         shown = np.where((self.inks == CODE["free"]) & (self.tints > 0), self.tints - 1 + len(INKS), self.inks)
         shown = shown.repeat(self.zoom, axis=0).repeat(self.zoom, axis=1)
         return np.pad(shown.astype(np.int64), ((0, shown.shape[0] % 2), (0, 0)))
 
     def half_blocks(self) -> list[list[Cell]]:
-        """Characters that show two pixels, the upper one in the foreground's colour."""
+        """Characters that show two pixels each, the upper one in the foreground colour."""
         pixels = self._pixels()
         pairs = zip(pixels[::2].tolist(), pixels[1::2].tolist(), strict=True)
         return [[("▀", _half(up, down)) for up, down in zip(*rows, strict=True)] for rows in pairs]
 
     def letters(self) -> list[list[Cell]]:
-        """One letter for two pixels, the more telling one's; a room's is its number's."""
+        """One letter for two pixels: that of the ink of higher priority, or that of the room's number."""
         pixels = self._pixels()
         rank = np.where(pixels >= len(INKS), CODE["free"], pixels)
         shown = np.where(rank[::2] >= rank[1::2], pixels[::2], pixels[1::2])
@@ -118,7 +118,7 @@ class _View:
         return [[(alphabet[code], PLAIN) for code in row] for row in shown.tolist()]
 
     def place_labels(self, grid: list[list[Cell]], labels: Iterable[Label]) -> None:
-        """Write the words over the characters."""
+        """Write the labels over the characters."""
         for label in labels:
             line = int((label.row - self.top + 0.5) / self.block * self.zoom / 2)
             begin = int((label.col - self.left + 0.5) / self.block * self.zoom - len(label.text) / 2)
@@ -129,7 +129,7 @@ class _View:
 
 
 def _segments(line: list[Cell]) -> Iterable[Segment]:
-    """Characters of one style joined."""
+    """Segments of a line; adjacent characters of one style are joined."""
     text, style = "", None
     for letter, own in line:
         if own is not style:
@@ -141,7 +141,7 @@ def _segments(line: list[Cell]) -> Iterable[Segment]:
 
 
 def _known(inks: NDArray[np.uint8]) -> tuple[int, int, int, int]:
-    """Box of all that is not unknown, one cell of margin around it."""
+    """Bounding box of all cells that are not unknown, with a margin of one cell."""
     bounds = []
     for axis in (1, 0):
         used = np.flatnonzero((inks != CODE["unknown"]).any(axis=axis))
@@ -152,7 +152,7 @@ def _known(inks: NDArray[np.uint8]) -> tuple[int, int, int, int]:
 
 
 def _window(raster: NDArray[np.uint8], top: int, left: int, high: int, wide: int) -> NDArray[np.uint8]:
-    """A part (high, wide) of a raster; what lies beyond its edge is 0."""
+    """A part (high, wide) of a raster, 0 beyond the raster's edge."""
     part = np.zeros((high, wide), np.uint8)
     rows = slice(max(top, 0), max(min(top + high, raster.shape[0]), 0))
     cols = slice(max(left, 0), max(min(left + wide, raster.shape[1]), 0))
@@ -162,7 +162,7 @@ def _window(raster: NDArray[np.uint8], top: int, left: int, high: int, wide: int
 
 
 def _blocks(raster: NDArray[np.uint8], size: int) -> NDArray[np.uint8]:
-    """The greatest value of each block of `size` x `size` cells."""
+    """Maximum of each block of `size` x `size` cells."""
     padded = np.pad(raster, [(0, -length % size) for length in raster.shape])
     height, width = (length // size for length in padded.shape)
     return np.asarray(padded.reshape(height, size, width, size).max(axis=(1, 3)))
@@ -170,7 +170,7 @@ def _blocks(raster: NDArray[np.uint8], size: int) -> NDArray[np.uint8]:
 
 @cache
 def colour(code: int) -> str:
-    """Colour of an ink, or of a room by its number + len(INKS): neighbours in number lie far apart in hue."""
+    """Colour of an ink, or of a room by its number + len(INKS); consecutive room numbers get distant hues."""
     if code < len(INKS):
         return INKS[code].colour
     golden = 0.618034
@@ -185,6 +185,6 @@ def _half(up: int, down: int) -> Style:
 
 @cache
 def _over(style: Style) -> Style:
-    """A word over pixels: on the lower one's colour, in black or white."""
+    """Style of a label over a character: black or white on the colour of its lower pixel."""
     below = style.bgcolor.name if style.bgcolor else INKS[0].colour
     return Style(color=readable(below), bgcolor=below, bold=True)

@@ -1,4 +1,4 @@
-"""Curves as text, as wide as there is room."""
+"""Curves as text, over the full available width."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Curve:
-    """Values (n,) of one thing; where a column holds several, `take` of them is drawn."""
+    """Values (n,) of one curve; if a column has several, it shows `take` of them."""
 
     name: str
     values: Floats
@@ -27,23 +27,23 @@ class Curve:
 
 @dataclass(frozen=True)
 class Plot:
-    """Curves over their index, in a frame of `lines` lines, with a level drawn through where one is given."""
+    """Curves over their index, `lines` lines high, with a horizontal line at `level` if that is given."""
 
     curves: Sequence[Curve]
     lines: int
     unit: str = ""
     span: tuple[float, float] | None = None
-    """Lowest and highest value shown; all of them where none is given."""
+    """Lowest and highest value shown; None to fit the values."""
     level: float | None = None
     across: str = ""
-    """What the index counts."""
+    """Name of the index."""
     first: int = 0
     """Index of the first value."""
     chosen: int | None = None
-    """Index that is pointed at."""
+    """Index that is marked."""
 
     def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
-        """The frame, its scale at the left, the curves' names below."""
+        """Lines of the plot, with the scale on the left and the names of the curves below."""
         plain = console.color_system is None or options.ascii_only
         low, high = self._span()
         names = [f"{value:.4g}{self.unit}" for value in (high, low)] + ([] if self.level is None else [self._level()])
@@ -67,7 +67,7 @@ class Plot:
         yield self._foot(margin, width)
 
     def _foot(self, margin: int, width: int) -> Text:
-        """What the index counts, and the marks."""
+        """Line below the plot: mark of the selected index, range of the index, names of the curves."""
         count = len(self.curves[0].values)
         text = Text(" " * margin)
         if self.chosen is not None and count:
@@ -95,7 +95,7 @@ class Plot:
 
 
 def _columns(curve: Curve, width: int) -> list[float]:
-    """One value for each column."""
+    """One value per column."""
     count = len(curve.values)
     if not count:
         return []

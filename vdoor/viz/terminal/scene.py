@@ -1,4 +1,4 @@
-"""What each stage of a recorded run puts on the map, and its plots."""
+"""Drawings of each stage of a recorded run on the map, and its plots."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ from vdoor.viz.terminal.plot import Curve, Plot
 
 SHARP_DEG = 90.0
 FAR = 1e6
-"""In cells: no place of a map."""
+"""Distance in cells beyond any map."""
 NEARBY = 40
-"""Samples to either side in a plot around one of them."""
+"""Number of samples on either side in a plot around one sample."""
 INK_OF_REASON = {
     "unreachable": "unreachable",
     "jut": "jut flattened",
@@ -34,7 +34,7 @@ INK_OF_REASON = {
 
 
 def drawn(run: History, topic: str, generation: int = -1) -> Canvas:
-    """One stage on the map; for the search the best string of one generation."""
+    """Drawing of one stage on the map; for the search, of the best string of one generation."""
     if topic == "input":
         cells = np.where(run.input.free, FREE, np.where(run.input.occupied, OCCUPIED, UNKNOWN))
         return Canvas.of(cells)
@@ -47,7 +47,7 @@ def drawn(run: History, topic: str, generation: int = -1) -> Canvas:
 
 
 def _drawn_any(record: Record, canvas: Canvas) -> Canvas:
-    """A stage without a drawing of its own: its label rasters as tints, the rows that lie in cells as dots."""
+    """Drawing of a stage without a function of its own: label rasters as tints, table rows with cells as dots."""
     for name, (spec, _) in specs(type(record)).items():
         values = np.asarray(getattr(record, name))
         if spec.kind == "labels":
@@ -91,7 +91,7 @@ def _drawn_doors(run: History, canvas: Canvas) -> Canvas:
 
 
 def _drawn_scores(run: History, canvas: Canvas) -> Canvas:
-    """Scored doors by their judgement, the likely ones over the others."""
+    """Scored doors by judgement, likely doors over the others."""
     scores, doors = run.scores, run.doors
     for code, judgement in enumerate(JUDGEMENTS):
         own = scores.door[scores.judgement == code]
@@ -115,7 +115,7 @@ def _drawn_initial(run: History, canvas: Canvas) -> Canvas:
 
 
 def _drawn_choice(run: History, canvas: Canvas, generation: int) -> Canvas:
-    """The doors that a generation's best string keeps and removes, rooms in the colours of what is open."""
+    """Doors that a generation's best string keeps and removes, over the resulting rooms in colour."""
     initial, removed = run.initial, run.search[generation].removed
     room, is_open = run.problem.rooms(removed[None])
     node = np.append(np.arange(run.problem.regions), run.problem.node_of_atom)
@@ -127,18 +127,18 @@ def _drawn_choice(run: History, canvas: Canvas, generation: int) -> Canvas:
 
 
 def _drawn_edits(run: History, canvas: Canvas) -> Canvas:
-    """The places that edits speak of, on the map as read."""
+    """Places of the edits on the input map."""
     del canvas
     frame, edits = run.input.frame, run.edits
     start, end = frame.cell_from_world(edits.start_m), frame.cell_from_world(edits.end_m)
     near = np.abs(start).max(axis=1, initial=0) < FAR
-    lines = near & (np.abs(end).max(axis=1, initial=0) < FAR)  # which no nan is
+    lines = near & (np.abs(end).max(axis=1, initial=0) < FAR)  # false for nan
     ground = drawn(run, "input").line("door", start[lines], end[lines])
-    return ground.paint("chosen", np.concatenate([start[near], end[lines]]))
+    return ground.paint("selected", np.concatenate([start[near], end[lines]]))
 
 
 def _drawn_map(run: History) -> Canvas:
-    """Rooms at the input's resolution, doors and the rooms' numbers over them."""
+    """Rooms at the input's resolution, with doors and room numbers over them."""
     found, canvas = run.topology, drawn(run, "input")
     canvas.tint(found.labels, found.labels > 0)
     start, end = (found.frame.cell_from_world(points_m) for points_m in (found.start_m, found.end_m))
@@ -165,7 +165,7 @@ DRAWN: dict[str, Callable[[History, Canvas], Canvas]] = {
 
 
 def curvature_plot(run: History, lines: int, chosen: int | None = None) -> Plot:
-    """The angle along the path, contour after contour, with the threshold; around one sample if one is chosen."""
+    """Plot of the angle along the path, contour after contour, with the threshold; around sample `chosen` if given."""
     first, last = (0, None) if chosen is None else (max(chosen - NEARBY, 0), chosen + NEARBY + 1)
     angle_deg, level = np.degrees(run.curvature.angle_rad[first:last]), run.pipeline.candidates.angle_deg
     below, above = np.where(angle_deg < level, angle_deg, np.nan), np.where(angle_deg < level, np.nan, angle_deg)
@@ -182,7 +182,7 @@ def _least(values: NDArray[np.float64]) -> float:
 
 
 def cost_plot(run: History, lines: int, chosen: int | None = None) -> Plot:
-    """Best and mean cost, generation by generation."""
+    """Plot of best and mean cost by generation."""
     curves = [
         Curve("best", run.search.numbers("best_cost"), "*", "bold green"),
         Curve("mean", run.search.numbers("mean_cost"), ".", "bright_black", np.mean),

@@ -1,4 +1,4 @@
-"""Each stage of a recorded run as text: its map, its plot, its table, in the words of the records."""
+"""Each stage of a recorded run as text: map, plots and tables."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ from vdoor.viz.terminal.tables import DETAILS, Limits, plain_details, table
 
 
 def overview(run: History) -> Iterator[RenderableType]:
-    """What the recording is of and how far it goes, stage by stage."""
+    """Run information, and a table of the recorded stages."""
     info = run.info
     files = ", ".join(name for name, _ in info.source.files) or "an array"
     yield Text(f"{run.file.name}: {files}, preset {info.preset}, seed {info.seed}, vdoor {info.version}", style="bold")
     if run.damage:
-        yield Text(f"not whole: {run.damage}", style="bold red")
-    rows = table("step", "stage", "holds")
+        yield Text(f"incomplete: {run.damage}", style="bold red")
+    rows = table("step", "stage", "content")
     for topic in run.stages:
         last = run.steps[topic] + (len(run.search) - 1 if topic == SEARCH else 0)
         first = run.steps[topic]
@@ -31,12 +31,12 @@ def overview(run: History) -> Iterator[RenderableType]:
 
 
 def summary(run: History, topic: str) -> str:
-    """One line on a stage."""
+    """Result of a stage in one line."""
     return view_of(RECORD_OF[topic]).summary(run)
 
 
 def stage_view(run: History, topic: str, generation: int | None, limits: Limits) -> Iterator[RenderableType]:
-    """Everything about one stage: title, map, legend, then plots and tables; one generation, or the whole search."""
+    """Title, map, legend, plots and tables of one stage; for the search, of one generation or of all."""
     canvas = drawn(run, topic, -1 if generation is None else generation)
     step = run.steps[topic] + (generation or 0)
     yield Text(f"\n{topic}", style="bold").append(

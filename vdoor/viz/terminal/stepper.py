@@ -1,4 +1,4 @@
-"""The walk on the screen: rich draws it, prompt_toolkit reads the keys."""
+"""The stepper on the screen: rich draws it, prompt_toolkit reads the keys."""
 
 from __future__ import annotations
 
@@ -25,22 +25,22 @@ from vdoor.viz.terminal.plot import Plot
 from vdoor.viz.terminal.scene import cost_plot, curvature_plot, drawn
 from vdoor.viz.terminal.walk import HELP, HELP_LINE, NAMES, Walk, entered, pressed
 
-LOOK_EVERY_S = 0.5
-"""How often a new size of the terminal is looked for while no key is pressed."""
+CHECK_SIZE_EVERY_S = 0.5
+"""Interval of checks for a new terminal size while no key is pressed."""
 FACTS_COLUMNS, PLOT_LINES, LEGEND_LINES = 48, 9, 2
 TALL = 28
-"""Lines from which on there is room for a plot below the map."""
+"""Minimum number of lines for a plot below the map."""
 
 
 class Stepper:
-    """A walk through one recording; draws what each place looks like."""
+    """Interactive walk through one recording."""
 
     def __init__(self, run: History) -> None:
         self.run = run
         self._drawn = lru_cache(maxsize=4)(self._draw)
 
     def walk(self, console: Console) -> None:
-        """Draw and read keys until one of them quits; the terminal is restored however this ends."""
+        """Draw and read keys until one of them quits; the terminal is always restored."""
         source = create_input()
         place, shown = entered(self.run, Walk(self.run.stages[0]), self.run.stages[0]), None
         with source.raw_mode(), console.screen() as screen:
@@ -53,7 +53,7 @@ class Stepper:
                     screen.update(self.screen(place, console.height))
 
     def screen(self, walk: Walk, lines: int) -> Layout:
-        """The whole screen: title, map beside facts, help."""
+        """The whole screen: title, map beside facts, keys."""
         layout = Layout()
         layout.split_column(
             Layout(self.title(walk), size=1), Layout(name="body"), Layout(self.foot(walk), size=1, name="foot")
@@ -70,7 +70,7 @@ class Stepper:
         return layout
 
     def title(self, walk: Walk) -> Text:
-        """Which recording, which stage, which element."""
+        """Line with recording, stage and element."""
         number = f"{self.run.stages.index(walk.stage) + 1}/{len(self.run.stages)}"
         text = Text(f" {self.run.file.name}  {number} {walk.stage} ", style="reverse bold", no_wrap=True)
         if walk.element:
@@ -78,14 +78,14 @@ class Stepper:
         return text.append(f" {view_of(RECORD_OF[walk.stage]).title} ", "not bold")
 
     def foot(self, walk: Walk) -> Text:
-        """What is being typed, what the last key could not do, or the keys."""
+        """Line with the input being typed, the message on the last key, or the keys."""
         if walk.typing is not None:
             what = "step" if walk.typing[0] == "s" else NAMES[walk.element] or "number"
-            return Text(f" jump to {what}: {walk.typing[1:]}_   (Enter; Escape)", style="bold")
-        return Text(f" {walk.said}", style="bold yellow") if walk.said else Text(f" {HELP_LINE}", style="dim")
+            return Text(f" jump to {what}: {walk.typing[1:]}_   (Enter jumps, Escape cancels)", style="bold")
+        return Text(f" {walk.message}", style="bold yellow") if walk.message else Text(f" {HELP_LINE}", style="dim")
 
     def facts_table(self, walk: Walk) -> Table:
-        """The numbers behind what is seen."""
+        """Facts about the current element."""
         table = Table.grid(padding=(0, 1), expand=True)
         table.add_column(style="dim", no_wrap=True)
         table.add_column(ratio=1, overflow="fold")
@@ -102,7 +102,7 @@ class Stepper:
         return whole
 
     def plot(self, walk: Walk) -> RenderableType | None:
-        """The curve along which the walker goes, if there is one."""
+        """Plot that belongs to the current stage, if any."""
         plot: Plot | None = None
         if walk.stage in ("curvature", "candidates", "corners"):
             plot = curvature_plot(self.run, PLOT_LINES, walk.sample)
@@ -111,12 +111,12 @@ class Stepper:
         return plot
 
     def picture(self, walk: Walk, canvas: Canvas) -> Picture:
-        """The map, around the walker where it is looked at from nearby."""
+        """The map, or the part around the walker if zoomed in."""
         centre = self.centre(walk) if walk.pixels else None
         return Picture(canvas, most_lines=10**6, centre=centre, zoom=max(walk.pixels, 1))
 
     def centre(self, walk: Walk) -> tuple[float, float] | None:
-        """Where the walker stands, as row, col of the stage's own cells."""
+        """Position of the walker as row, col of the stage's own cells."""
         run = self.run
         if walk.element == "sample":
             row, col = run.path.free_cell[walk.sample].tolist()
@@ -138,13 +138,13 @@ class Stepper:
             if walk.stage != "path":
                 canvas.line("forward", here, here + run.curvature.forward[walk.sample] / 2, ends=True)
                 canvas.line("backward", here, here + run.curvature.backward[walk.sample] / 2, ends=True)
-            canvas.paint("chosen", run.path.cell[walk.sample])
+            canvas.paint("selected", run.path.cell[walk.sample])
             canvas.paint("walker", run.path.free_cell[walk.sample])
         elif walk.element == "door" and len(run.doors.start):
-            canvas.line("chosen", run.doors.start[walk.door], run.doors.end[walk.door], ends=True)
+            canvas.line("selected", run.doors.start[walk.door], run.doors.end[walk.door], ends=True)
         elif walk.element == "final" and len(run.topology.kind):
             ends = (run.topology.start_m[walk.final], run.topology.end_m[walk.final])
-            canvas.line("chosen", *(run.topology.frame.cell_from_world(end_m)[0] for end_m in ends), ends=True)
+            canvas.line("selected", *(run.topology.frame.cell_from_world(end_m)[0] for end_m in ends), ends=True)
         return canvas
 
     def _draw(self, stage: str, generation: int) -> Canvas:
@@ -160,12 +160,12 @@ def help_table() -> Table:
 
 
 def keys(source: Input) -> Iterator[str]:
-    """Keys as they are pressed, by their names; an empty one where none came for a while, or the input is at its end.
+    """Names of pressed keys; an empty name if none was pressed for a while or the input has ended.
 
-    A lone Escape looks like the beginning of another key until nothing follows it.
+    A lone Escape is only recognised after a pause, as other keys begin with it.
     """
     while not source.closed:
-        ready, _, _ = select.select([source.fileno()], [], [], LOOK_EVERY_S)
+        ready, _, _ = select.select([source.fileno()], [], [], CHECK_SIZE_EVERY_S)
         presses = source.read_keys() if ready else source.flush_keys()
         for press in presses:
             yield press.key.value if isinstance(press.key, Keys) else press.key

@@ -31,14 +31,14 @@ COURSE = ("generation", "evaluations", "best", "mean", "worst", "small", "AreaSD
 
 @dataclass(frozen=True)
 class Limits:
-    """How much may be printed: lines of a picture, rows of a table."""
+    """Maximum number of lines of a picture and rows of a table."""
 
     lines: int
     rows: int
 
 
 def table(*columns: str) -> Table:
-    """An empty table without lines, numbers and all to the left, so that it reads in a pipe as well."""
+    """An empty table without rules, all columns left-aligned, so that it is readable in a pipe as well."""
     made = Table(box=None, pad_edge=False, header_style="bold", padding=(0, 2, 0, 0))
     for column in columns:
         made.add_column(column, overflow="fold")
@@ -56,13 +56,13 @@ def _sizes(doors: VirtualDoors | InitialMap, row: int) -> list[str]:
 
 
 def point(run: History, cell: NDArray[Any]) -> str:
-    """A place in working cells as x,y in metres."""
+    """A position in working cells as text, x,y in metres."""
     x_m, y_m = run.simplified.frame.world_from_cell(cell)[0].tolist()
     return f"{x_m:.2f},{y_m:.2f}"
 
 
 def _simplified_details(run: History, _: int | None, limits: Limits) -> Iterator[RenderableType]:
-    rows = table("why", "cells", "m2", "what it means")
+    rows = table("reason", "cells", "m2", "meaning")
     area_m2 = run.simplified.frame.resolution_m**2
     del limits
     for word, means in view_of(SimplifiedGrid).words.items():
@@ -104,7 +104,7 @@ def _door_details(run: History, _: int | None, limits: Limits) -> Iterator[Rende
 
 
 def _score_details(run: History, _: int | None, limits: Limits) -> Iterator[RenderableType]:
-    """Scored doors, the likeliest first, each with the features that speak most for it and against it."""
+    """Scored doors, likeliest first, each with its strongest features for and against."""
     scores = run.scores
     order = np.argsort(-scores.log_odds.round(9), kind="stable")
     rows = table("door", "judgement", "log-odds", "kind", "length m", "middle x,y m", "conflicts", "for", "against")
@@ -122,8 +122,8 @@ def _score_details(run: History, _: int | None, limits: Limits) -> Iterator[Rend
             point(run, (run.doors.start[door] + run.doors.end[door]) / 2),
             str(len(fate.conflicts)),
             *(
-                f"{said[0].feature} {said[0].log_odds:+.1f}" if said else ""
-                for said in (fate.reasons_for, fate.reasons_against)
+                f"{reasons[0].feature} {reasons[0].log_odds:+.1f}" if reasons else ""
+                for reasons in (fate.reasons_for, fate.reasons_against)
             ),
         )
     yield rows
@@ -133,7 +133,7 @@ def _score_details(run: History, _: int | None, limits: Limits) -> Iterator[Rend
 def _certificate_details(run: History, _: int | None, limits: Limits) -> Iterator[RenderableType]:
     del limits
     found = run.certificate
-    rows = table("cost", "no choice costs less than", "gap", "proven optimal")
+    rows = table("cost", "lower bound", "gap", "proven optimal")
     numbers = (f"{number:.6f}" for number in (found.cost, found.lower_bound, found.gap))
     rows.add_row(*numbers, Text("yes", style="green") if found.optimal else Text("no", style="yellow"))
     yield rows
@@ -172,7 +172,7 @@ def _search_details(run: History, generation: int | None, limits: Limits) -> Ite
 
 
 def _changes(run: History) -> list[int]:
-    """The first generation and all whose best string is another than the one before."""
+    """Generations whose best string differs from the one before, and the first."""
     changed, before = [], b""
     for number, generation in enumerate(run.search):
         if not number or generation.removed.tobytes() != before:
@@ -182,7 +182,7 @@ def _changes(run: History) -> list[int]:
 
 
 def flips(run: History, generation: int) -> str:
-    """Edges that the best string keeps and did not in the generation before (+), and the other way round (-)."""
+    """Edges whose bit in the best string changed since the generation before: + now kept, - now removed."""
     if not generation:
         return ""
     removed, before = run.search[generation].removed, run.search[generation - 1].removed
@@ -190,12 +190,12 @@ def flips(run: History, generation: int) -> str:
 
 
 def string(removed: NDArray[np.bool_]) -> str:
-    """A choice as printed in the paper: a bit a door, 1 = removed."""
+    """String as printed in the paper: one bit per door, 1 = removed."""
     return "".join("01"[bit] for bit in removed.astype(int))
 
 
 def terms(run: History, generation: int) -> Text:
-    """The cost of the best string of one generation, with its numbers in."""
+    """Cost of the best string of one generation as the sum of its terms."""
     found = run.search[generation]
     text = Text(f"generation {found.number}: cost {found.best_cost:.6f} =", style="bold")
     for at, term in enumerate(run.terms(generation)):
@@ -206,7 +206,7 @@ def terms(run: History, generation: int) -> Text:
 
 def _edit_details(run: History, _: int | None, limits: Limits) -> Iterator[RenderableType]:
     edits = run.edits
-    rows = table("edit", "what", "at x,y m", "and x,y m", "verdict", "rooms")
+    rows = table("edit", "kind", "at x,y m", "and x,y m", "verdict", "rooms")
     for row in range(min(len(edits.kind), limits.rows)):
         ends = ("" if np.isnan(end).any() else place_text(tuple(end)) for end in (edits.start_m[row], edits.end_m[row]))
         verdict = EDIT_VERDICTS[edits.verdict[row]]
@@ -243,7 +243,7 @@ def _map_details(run: History, _: int | None, limits: Limits) -> Iterator[Render
 
 
 def plain_details(run: History, topic: str, limits: Limits) -> Iterator[RenderableType]:
-    """The tables of a record, column by column, of stages that have no details of their own."""
+    """Tables of a record, column by column, for stages without a function of their own."""
     record = run.records[topic]
     for name, columns in tables(type(record)).items():
         if topic in PLAIN:
@@ -257,7 +257,7 @@ def plain_details(run: History, topic: str, limits: Limits) -> Iterator[Renderab
 
 
 PLAIN = ("input", "path", "candidates", "skeleton", "narrows", "eroded", "grown")
-"""Stages that the map and its line tell all about."""
+"""Stages without tables: the map and the summary show everything."""
 
 DETAILS: dict[str, Callable[[History, int | None, Limits], Iterator[RenderableType]]] = {
     "simplified": _simplified_details,

@@ -1,4 +1,4 @@
-"""Where a walk through a recording stands, and where each key takes it: no screen, no keyboard."""
+"""State of a walk through a recording, and the effect of each key on it, without screen or keyboard."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ MOST_DIGITS = 9
 
 @dataclass(frozen=True)
 class Walk:
-    """A place in a recording."""
+    """A position in a recording."""
 
     stage: str
     sample: int = 0
@@ -38,42 +38,42 @@ class Walk:
     final: int = 0
     """Row of the final map's doors."""
     zoom: int | None = None
-    """Pixels to a cell around the walker; 0 shows the whole map, None what suits the stage."""
+    """Pixels per cell around the walker; 0 shows the whole map, None is the default of the stage."""
     typing: str | None = None
-    """What has been typed of a number to jump to: g or s, then digits."""
-    said: str = ""
-    """What the last key could not do."""
+    """Input typed so far for a jump: g or s, then digits."""
+    message: str = ""
+    """Message if the last key had no effect."""
     help: bool = False
     done: bool = False
 
     @property
     def element(self) -> str:
-        """What is walked along here."""
+        """Kind of element that this stage steps through."""
         return view_of(RECORD_OF[self.stage]).element
 
     @property
     def at(self) -> int:
-        """Its number."""
+        """Number of the current element."""
         return int(getattr(self, self.element)) if self.element else 0
 
     @property
     def pixels(self) -> int:
-        """Pixels to a cell around the walker, 0 for the whole map: samples are looked at from nearby."""
+        """Pixels per cell around the walker, 0 for the whole map; by default only samples are zoomed in on."""
         return self.zoom if self.zoom is not None else 2 * (self.element == "sample")
 
     def to(self, element: str, number: int) -> Walk:
-        """The same place with another sample, door or generation."""
+        """The same position with another sample, door or generation."""
         moved: dict[str, Any] = {element: int(number)}
         return replace(self, **moved)
 
 
 def stops(run: History, stage: str) -> Ints:
-    """Numbers that the walker stops at in a stage, sorted."""
+    """Sorted numbers of the elements that the walker stops at in a stage."""
     return view_of(RECORD_OF[stage]).stops(run).astype(np.int64)
 
 
 def entered(run: History, walk: Walk, stage: str) -> Walk:
-    """The walk in another stage, at the stop there that is nearest to where it stood."""
+    """The walk in another stage, at the stop nearest to the current number."""
     walk = replace(walk, stage=stage)
     if stage == SEARCH and walk.generation == 0:
         return walk.to("generation", len(run.search) - 1)
@@ -82,12 +82,12 @@ def entered(run: History, walk: Walk, stage: str) -> Walk:
 
 
 def pressed(run: History, walk: Walk, key: str) -> Walk:
-    """Where a key leads: a letter, or a key's name in prompt_toolkit, such as left or c-m for Enter."""
+    """The walk after a key: a letter, or a key's name in prompt_toolkit, such as left or c-m for Enter."""
     if walk.typing is not None:
         return _typed(run, walk, key)
     if key == "?" or walk.help:
-        return replace(walk, help=not walk.help, said="")
-    walk = replace(walk, said="")
+        return replace(walk, help=not walk.help, message="")
+    walk = replace(walk, message="")
     return KEYS[key](run, walk) if key in KEYS else walk
 
 
@@ -95,18 +95,18 @@ def _stage_by(run: History, walk: Walk, by: int) -> Walk:
     at = run.stages.index(walk.stage) + by
     if 0 <= at < len(run.stages):
         return entered(run, walk, run.stages[at])
-    return replace(walk, said=f"this is the {'last' if by > 0 else 'first'} stage recorded")
+    return replace(walk, message=f"this is the {'last' if by > 0 else 'first'} recorded stage")
 
 
 def _go(run: History, walk: Walk, by: int) -> Walk:
-    """So many stops on, or as far as there are any."""
+    """The walk `by` stops further, at most to the first or last stop."""
     here = stops(run, walk.stage)
     if not len(here):
-        return replace(walk, said=f"nothing to walk along in {walk.stage}; n and p lead to other stages")
+        return replace(walk, message=f"{walk.stage} has nothing to step through; n and p go to other stages")
     at = int(np.searchsorted(here, walk.at)) + by
     held = min(max(at, 0), len(here) - 1)
-    said = "" if held == at or abs(by) > 1 else f"this is the {'last' if by > 0 else 'first'} one"
-    return replace(walk.to(walk.element, here[held]), said=said)
+    message = "" if held == at or abs(by) > 1 else f"this is the {'last' if by > 0 else 'first'} one"
+    return replace(walk.to(walk.element, here[held]), message=message)
 
 
 def _to_end(run: History, walk: Walk, end: int) -> Walk:
@@ -118,7 +118,7 @@ def _find(run: History, walk: Walk, *, what: str, forward: bool) -> Walk:
     """The next candidate, corner or rejected door, in the stage that shows it."""
     stage, element = FOUND_IN[what]
     if stage not in run.stages:
-        return replace(walk, said=f"the recording ends before {stage}")
+        return replace(walk, message=f"the recording ends before {stage}")
     rejected = run.doors.verdict != PROPOSED if stage == "doors" else None
     there = stops(run, stage) if rejected is None else np.flatnonzero(rejected)
     at = getattr(walk, element)
@@ -126,13 +126,13 @@ def _find(run: History, walk: Walk, *, what: str, forward: bool) -> Walk:
     if walk.element != element:
         ahead = there[there >= at] if forward else there[there <= at][::-1]
     if not len(ahead):
-        return replace(walk, said=f"no {what} {'after' if forward else 'before'} {element} {at}")
+        return replace(walk, message=f"no {what} {'after' if forward else 'before'} {element} {at}")
     stays = what == "candidate" and walk.stage in ("path", "curvature", "candidates")
     return replace(walk, stage=walk.stage if stays else stage).to(element, ahead[0])
 
 
 def _typed(run: History, walk: Walk, key: str) -> Walk:
-    """A number being typed; Enter jumps, Escape does not."""
+    """The walk after a key while a number is being typed; Enter jumps, Escape cancels."""
     assert walk.typing is not None
     if key.isdigit() and key.isascii():
         if len(walk.typing) > MOST_DIGITS:
@@ -150,7 +150,7 @@ def _typed(run: History, walk: Walk, key: str) -> Walk:
 
 def _to_step(run: History, walk: Walk, step: int) -> Walk:
     if not 0 <= step <= run.last_step:
-        return replace(walk, said=f"steps go from 0 to {run.last_step}")
+        return replace(walk, message=f"steps go from 0 to {run.last_step}")
     topic, index = run.stage_of(step)
     return replace(walk, stage=topic, generation=index) if topic == SEARCH else entered(run, walk, topic)
 
@@ -161,8 +161,8 @@ def _to_number(run: History, walk: Walk, number: int) -> Walk:
         return walk.to(walk.element, number)
     if walk.element == "sample" and number < len(run.path.cell):
         return replace(walk, stage="curvature" if "curvature" in run.stages else "path", sample=number)
-    span = f"from {here[0]} to {here[-1]}" if len(here) else "in other stages only"
-    return replace(walk, said=f"{NAMES[walk.element]} {number} is not here; there are some {span}")
+    span = f"it has some from {here[0]} to {here[-1]}" if len(here) else "it has none"
+    return replace(walk, message=f"{NAMES[walk.element] or 'number'} {number} is not in this stage; {span}")
 
 
 def _zoomed(walk: Walk, by: int) -> Walk:
@@ -174,17 +174,17 @@ Move = Callable[[History, Walk], Walk]
 HELP = (
     ("n, Tab / p", "next / previous stage"),
     ("right / left", "next / previous sample, door or generation"),
-    ("down / up", f"{LEAP} of them"),
-    ("Home / End", "the first / the last one"),
+    ("down / up", f"{LEAP} forward / back"),
+    ("Home / End", "first / last"),
     ("c / C", "next / previous candidate"),
     ("k / K", "next / previous corner"),
     ("r / R", "next / previous rejected door"),
     ("g 12 Enter", "jump to a sample, door or generation"),
     ("s 12 Enter", "jump to a step"),
-    ("+ / -", "closer / further; the whole map at the end"),
+    ("+ / -", "zoom in / out, up to the whole map"),
     ("q", "quit"),
 )
-HELP_LINE = "n/p stage  arrows walk  c candidate  k corner  r rejected door  g/s jump  +/- zoom  ? help  q quit"
+HELP_LINE = "n/p stage  arrows step  c candidate  k corner  r rejected door  g/s jump  +/- zoom  ? help  q quit"
 
 KEYS: dict[str, Move] = {
     "q": lambda _, walk: replace(walk, done=True),
