@@ -20,7 +20,7 @@ from vdoor.baselines.voronoi_doors import CrossNarrows
 from vdoor.config import settings_of, with_settings
 from vdoor.emit import RunInfo, silent
 from vdoor.errors import SettingError
-from vdoor.evaluate.door_matching import nearest_pairs
+from vdoor.evaluate.door_places import nearest_pairs
 from vdoor.grid import FREE, OccupancyGrid
 from vdoor.method.doors import VERDICTS
 from vdoor.method.search.generation import Generation

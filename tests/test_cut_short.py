@@ -23,8 +23,8 @@ from vdoor.errors import RecordingError
 from vdoor.grid import Source
 from vdoor.pipeline import METHODS, PRESETS, RECORDS, emitted
 from vdoor.record import equal
-from vdoor.recording import attached
-from vdoor.recording.attached import ENDING, PACKED, PLAIN, Attached, files_of
+from vdoor.recording import about
+from vdoor.recording.about import ENDING, PACKED, PLAIN, Attached, files_of
 from vdoor.recording.check import check
 from vdoor.recording.mcap import McapSink, read_recording, scan
 from vdoor.recording.recover import recover
@@ -196,14 +196,14 @@ def test_files_come_back_as_they_were(name: str, tmp_path: Path) -> None:
 
 
 def test_what_is_too_large_to_unpack_is_stored_as_it_is(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(attached, "UNPACKED_TO", 1000)
+    monkeypatch.setattr(about, "UNPACKED_TO", 1000)
     files = [("a", bytes(600)), ("b", bytes(600)), ("c", bytes(400)), ("d", b"1")]
-    stored = list(attached.attached(files))
+    stored = list(about.attached(files))
     assert [(one.name, one.media_type) for one in stored] == [
         ("a.zst", PACKED), ("b", PLAIN), ("c.zst", PACKED), ("d", PLAIN),
     ]  # fmt: skip
     assert files_of(stored) == files
-    monkeypatch.setattr(attached, "UNPACKED_TO", 999)
+    monkeypatch.setattr(about, "UNPACKED_TO", 999)
     with pytest.raises(RecordingError, match=r"attachment c\.zst: wanted at most 399 bytes unpacked, .* claims 400"):
         files_of(stored)
 

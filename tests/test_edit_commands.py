@@ -20,10 +20,11 @@ import recorded
 import yaml
 from edited import FLAT, at, flat
 
+import vdoor
 from vdoor import export
 from vdoor.editing.edits import append_edits, parse, read_edits
 from vdoor.export import read_finished
-from vdoor.export.node_link import schema
+from vdoor.export.graphs import schema
 from vdoor.results.writing import document_of, write_result
 
 
@@ -190,7 +191,7 @@ def test_run_says_what_is_wrong_with_edits(words: tuple[str, ...], code: int, sa
 
 
 def test_ids_and_names_agree_over_all_exports() -> None:
-    topology = flat().edited([f"number {at(2)} 300", f"name {at(2)} Bad & <Küche>", f"number {at(5)} 90"])
+    topology = vdoor.edited(flat(), [f"number {at(2)} 300", f"name {at(2)} Bad & <Küche>", f"number {at(5)} 90"])
     assert topology.room_ids == (1, 3, 4, 90, 300)
     names = {room.id: room.name for room in topology.rooms}
     collection = json.loads(export.to_geojson(topology))["features"]
@@ -216,19 +217,19 @@ def test_ids_and_names_agree_over_all_exports() -> None:
 
 def test_fleets_know_rooms_by_their_names() -> None:
     lines = [f"name {at(1)} Küche", f"name {at(2)} Hall", f"name {at(3)} Hall", f"name {at(4)} door_1"]
-    vertices = yaml.safe_load(export.to_rmf(flat().edited(lines)))["levels"]["L1"]["vertices"]
+    vertices = yaml.safe_load(export.to_rmf(vdoor.edited(flat(), lines)))["levels"]["L1"]["vertices"]
     names = [about["name"] for _, _, about in vertices]
     assert names[:5] == ["Küche", "room_2", "room_3", "room_4", "room_5"]
     assert len(set(names)) == len(names)
 
 
 def test_folder_gives_ids_and_names_back(tmp_path: Path) -> None:
-    topology = flat().edited([f"number {at(2)} 300", f"name {at(2)} Küche"])
+    topology = vdoor.edited(flat(), [f"number {at(2)} 300", f"name {at(2)} Küche"])
     info = dataclasses.replace(recorded.small_run()[0], source=finished.grid("flat").source)
     write_result(tmp_path / "r", finished.grid("flat"), topology, document_of(topology, info, {}))
     back = read_finished(tmp_path / "r").topology
     assert back.rooms == topology.rooms
     assert back.doors == topology.doors
-    too_high = topology.edited([f"number {at(1)} 65535"])
+    too_high = vdoor.edited(topology, [f"number {at(1)} 65535"])
     write_result(tmp_path / "s", finished.grid("flat"), too_high, document_of(too_high, info, {}))
     assert read_finished(tmp_path / "s").topology.room_ids[-1] == 65_535

@@ -50,7 +50,7 @@ def test_names_survive_a_recording(tmp_path: Path) -> None:
 
 
 def test_names_that_differ_are_told_by_room() -> None:
-    one, other = flat().edited([f"name {at(2)} Hall"]), flat().edited([f"name {at(2)} Bath"])
+    one, other = vdoor.edited(flat(), [f"name {at(2)} Hall"]), vdoor.edited(flat(), [f"name {at(2)} Bath"])
     (found,) = differences(one, other)
     assert (found.field, found.count, found.worst.expected, found.worst.found) == ("name", 1, "Hall", "Bath")
     (found,) = differences(one, flat())
@@ -121,4 +121,4 @@ def test_open_wall_is_no_closed_door() -> None:
     cells = finished.house(2)
     pipeline = dataclasses.replace(PRESETS["paper"], edit=EditRooms(edits=("closed-door 2,2", "closed-door 0.1,2")))
     grid = OccupancyGrid.from_array(cells, maps.CELL_M)
-    assert pipeline.edit.opened(grid) is grid
+    assert pipeline.edit.open_doors(grid).grid is grid

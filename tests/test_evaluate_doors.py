@@ -13,8 +13,7 @@ from numpy.typing import NDArray
 from scipy.spatial.distance import cdist, pdist
 
 from vdoor.evaluate import Doors, Tally, contact_doors, marked_doors, match_doors
-from vdoor.evaluate.door_matching import nearest_pairs
-from vdoor.evaluate.door_places import _farthest
+from vdoor.evaluate.door_places import _farthest, nearest_pairs
 
 CELL_M = 0.05
 

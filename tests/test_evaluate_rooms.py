@@ -14,7 +14,7 @@ from scipy import ndimage
 
 from vdoor.errors import VdoorError
 from vdoor.evaluate import compare_rooms, rooms_of
-from vdoor.evaluate.label_images import MOST_ROOMS, flooded, labels_of_blobs
+from vdoor.evaluate.label_files import MOST_ROOMS, flooded, labels_of_blobs
 
 MEASURES = {"recall", "precision", "recall_by_area", "precision_by_area", "iou", "iou_sym", "mcc", "mcc_loose"}
 Labels = NDArray[np.int32]

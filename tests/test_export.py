@@ -28,7 +28,7 @@ from PIL import Image
 import vdoor
 from vdoor import export
 from vdoor.errors import SettingError, VdoorError
-from vdoor.export import WRITERS, Export, Finished, Raster, Writer, node_link, writer_named
+from vdoor.export import WRITERS, Export, Finished, Raster, Writer, graphs, writer_named
 from vdoor.export.geometry import line_m
 from vdoor.grid import FREE, OCCUPIED, OccupancyGrid
 from vdoor.method.search.optimisers import AnnealingSearch
@@ -115,9 +115,9 @@ def test_graphml_reads_back_as_the_graph_with_each_point_in_two_columns(name: st
 def test_json_follows_its_schema_and_networkx_reads_all_of_it(name: str) -> None:
     topology = finished.topology(name)
     document = json.loads(text(topology, "json"))
-    jsonschema.Draft202012Validator.check_schema(node_link.schema())
-    jsonschema.validate(document, node_link.schema())
-    assert document["version"] == node_link.VERSION
+    jsonschema.Draft202012Validator.check_schema(graphs.schema())
+    jsonschema.validate(document, graphs.schema())
+    assert document["version"] == graphs.VERSION
     graph = nx.node_link_graph(document, edges="edges")
     source = topology.to_networkx()
     assert isinstance(graph, nx.MultiGraph)
@@ -150,7 +150,7 @@ def test_schema_refuses_what_no_export_looks_like(spoil: Callable[[Any], None]) 
     document = json.loads(text(finished.topology("pillars"), "json"))
     spoil(document)
     with pytest.raises(jsonschema.ValidationError):
-        jsonschema.validate(document, node_link.schema())
+        jsonschema.validate(document, graphs.schema())
 
 
 @example
@@ -362,7 +362,7 @@ def test_any_map_comes_out_and_reads_back(cells: Cells) -> None:
     wanted = {room.id for room in topology.rooms}, {door.id: set(door.rooms) for door in topology.doors}
     for to in ("graphml", "json", "geojson", "rmf", "svg", *(["nav2-route"] if topology.doors else [])):
         assert ids(to, topology) == wanted, to
-    jsonschema.validate(json.loads(text(topology, "json")), node_link.schema())
+    jsonschema.validate(json.loads(text(topology, "json")), graphs.schema())
     for told, room in zip(features(topology, "room"), topology.rooms, strict=True):
         polygon = shapely.geometry.shape(told["geometry"])
         assert polygon.is_valid

@@ -19,11 +19,10 @@ from scipy.optimize import linear_sum_assignment
 from vdoor.api import run
 from vdoor.errors import MapError
 from vdoor.grid import FREE, OccupancyGrid
-from vdoor.method.final_doors import contacts
 from vdoor.method.search.optimisers import AnnealingSearch
 from vdoor.method.simplify import SimplifyGrid
 from vdoor.pipeline import PRESETS, Pipeline
-from vdoor.raster.labels import flooded
+from vdoor.raster.labels import contacts, flooded
 from vdoor.synth import PRESETS as KINDS
 from vdoor.synth import SyntheticMap, synthesize
 from vdoor.topology import TopologicalMap

@@ -218,8 +218,8 @@ def test_older_rooms_are_found_by_the_robots_frame_from_both(tmp_path: Path, com
     append_edits(tmp_path / "mine.toml", [parse(kitchen)])
     command("run", old, "--edits", tmp_path / "mine.toml", "--out", tmp_path / "old", "-q")
     told = command("run", new, "--match", tmp_path / "old", "--json", "-q").json
-    match = vdoor.match(before.edited([kitchen]), after)
+    match = vdoor.match(vdoor.edited(before, [kitchen]), after)
     assert list(match.alignment.shift_m) == told["match"]["shift_m"]
-    named = after.edited(match.edits)
+    named = vdoor.edited(after, match.edits)
     assert {room.id: room.name for room in named.rooms} == {room["id"]: room["name"] for room in told["rooms"]}
     assert named.room_named("Kitchen").centre_m[0] > after.frame.width / 2 * after.frame.resolution_m

@@ -25,13 +25,14 @@ from vdoor.pipeline import METHODS, PRESETS, RECORDS, Pipeline, emitted
 from vdoor.pipeline import recorded as pipeline_of
 from vdoor.recording.check import check
 from vdoor.recording.mcap import McapSink, read_recording
-from vdoor.viz.rerun.blueprint import TABS, tabs_of
+from vdoor.viz.rerun.blueprint import tabs_of
 from vdoor.viz.rerun.shot import NO_RENDERER, shots
 from vdoor.viz.rerun.style import DOUBTFUL, SURE, odds
 from vdoor.viz.terminal.facts import facts
 from vdoor.viz.terminal.stepper import Stepper
 from vdoor.viz.terminal.walk import Walk, entered, stops
 
+TABS = ("Overview", "Simplified", "Path", "Curvature", "Corners", "Doors", "Initial map", "Search", "Rooms")
 TAB_NAMES = {
     "paper": TABS,
     "default": (*TABS[:6], "Scores", *TABS[6:]),
@@ -233,8 +234,7 @@ def test_scored_doors_are_walked_along(two_rooms: Path) -> None:
 
 @pytest.mark.parametrize("preset", PRESETS)
 def test_tabs_are_those_in_which_there_is_something_to_see(preset: str) -> None:
-    assert tabs_of(settings_of(PRESETS[preset], METHODS)) == TAB_NAMES[preset]
-    assert tabs_of({}) == TABS
+    assert tabs_of(PRESETS[preset].records, settings_of(PRESETS[preset], METHODS)) == TAB_NAMES[preset]
 
 
 def entities(path: Path) -> dict[str, int]:

@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from PIL import Image
 from shapely import Polygon
 
+import vdoor
 from vdoor.emit import RunInfo
 from vdoor.errors import RecordingError, VdoorError
 from vdoor.export import Export, read_finished, to_report
@@ -423,7 +424,7 @@ def test_hostile_names_stay_text(window: Browser, tmp_path: Path) -> None:
     provenance.run.write(0, finished.grid("flat"))
     topology, name = finished.topology("flat"), HOSTILE.replace("\u202e", "")
     x_m, y_m = topology.room(1).centre_m
-    topology = topology.edited([f"name {x_m:.3f},{y_m:.3f} {name}"])
+    topology = vdoor.edited(topology, [f"name {x_m:.3f},{y_m:.3f} {name}"])
     path = tmp_path / "hostile.html"
     path.write_text(to_report(topology, provenance), "utf-8")
     window.requests.clear()

@@ -23,7 +23,6 @@ from vdoor.pipeline import RECORDS
 from vdoor.record import Record, Spec, equal
 from vdoor.recording.mcap import McapSink
 from vdoor.topology import TopologicalMap
-from vdoor.viz.rerun.blueprint import TABS
 from vdoor.viz.rerun.draw import DRAW, OCCUPIED
 from vdoor.viz.rerun.program import HOST, listening
 from vdoor.viz.rerun.shot import NO_RENDERER, headless, shots, steady
@@ -32,6 +31,8 @@ from vdoor.viz.rerun.sink import RerunSink
 PICTURES = Path(__file__).parent / "pictures"
 FLAT = Path(__file__).parent.parent / "recordings" / "flat.yaml"
 RERUN = Path(sys.executable).parent / "rerun"
+
+TABS = ("Overview", "Simplified", "Path", "Curvature", "Corners", "Doors", "Initial map", "Search", "Rooms")
 
 
 def info(grid: vdoor.OccupancyGrid) -> RunInfo:

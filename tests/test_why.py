@@ -18,7 +18,7 @@ from vdoor.explain.corners import sample_fate
 from vdoor.explain.doors import door_fate
 from vdoor.explain.text import to_lines
 from vdoor.history import History
-from vdoor.history.convergence import ConvergenceHistory
+from vdoor.history.records import ConvergenceHistory
 from vdoor.method.corners import Corners, cosine, gaps_m
 from vdoor.method.doors import VERDICTS, VirtualDoors
 from vdoor.method.search.costs import MapCost

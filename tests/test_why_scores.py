@@ -16,7 +16,8 @@ from test_why import DOOR_M
 from vdoor.explain import explain
 from vdoor.explain.doors import door_fate
 from vdoor.explain.scores import Conflict, Reason, reasons_of, score_fate
-from vdoor.explain.text import percent, to_lines
+from vdoor.explain.stages import percent
+from vdoor.explain.text import to_lines
 from vdoor.history import History
 from vdoor.method.doors import PROPOSED
 from vdoor.method.scoring.features import FEATURES
@@ -120,7 +121,7 @@ def test_command_tells_scores_as_text_and_json(two_rooms: Path) -> None:
     text = called("why", two_rooms, "--at", "2.1,1.4").stdout
     assert "score: log-odds +2.50 (92 %, -1.25 before any feature), likely (at least -2): the search decides" in text
     assert (
-        "      first look: sure, so it was shut while the other doors were looked at again\n"
+        "      pass 1: sure, so it was closed in pass 2\n"
         "      for: pair 1.00 says +2.00, length_m 1.00 says +1.00, same_contour 1.00 says +0.75\n"
         "      against: nothing\n" in text
     )

@@ -1,4 +1,4 @@
-"""What can go wrong in a way the user can mend: one class, and the few children worth telling apart."""
+"""What can go wrong in a way the user can mend, and how the user is told: one line on stderr."""
 
 import re
 import sys

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections import deque
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 
@@ -73,6 +74,15 @@ METHODS: dict[str, dict[str, type]] = {
 """Stages that can be done in several ways, by the name of each."""
 
 
+class Proposals(NamedTuple):
+    """Virtual doors, and what they were found on."""
+
+    simplified: SimplifiedGrid
+    path: BoundaryPath
+    corners: Corners
+    doors: VirtualDoors
+
+
 @dataclass(frozen=True, kw_only=True)
 class Pipeline:
     """The method with its settings on; the defaults are the paper's."""
@@ -96,20 +106,15 @@ class Pipeline:
         """What a run emits, in this order."""
         left_out: set[type[Record]] = {Skeleton, CriticalLines, ErodedSpace, GrownRooms}
         left_out |= {DoorScores} if isinstance(self.score, NoScores) else set()
-        proven = isinstance(self.certify, BoundEnergy) and isinstance(self.cost, DoorEnergy)
+        proven = isinstance(self.certify, BoundEnergy) and self.cost.counts_separating
         left_out |= set() if proven else {Certificate}
         left_out |= set() if self.edit.edits else {Edits}
         return tuple(record for record in RECORDS if record not in left_out)
 
     def __call__(self, grid: OccupancyGrid, rng: np.random.Generator, emit: Emit = silent) -> TopologicalMap:
         """Rooms and doors of `grid`; `emit` sees every stage's record on the way."""
-        opened = self.edit.opened(emit(grid))
-        simplified = emit(self.simplify(opened))
-        path = emit(self.trace(simplified))
-        curvature = emit(self.curvature(path))
-        candidates = emit(self.candidates(path, curvature))
-        corners = emit(self.corners(path, curvature, candidates))
-        doors = emit(self.doors(simplified, path, corners))
+        opened = self.edit.open_doors(emit(grid))
+        simplified, path, corners, doors = self.propose(opened.grid, emit)
         scores = self.score(simplified, path, corners, doors)
         if scores is not None:
             emit(scores)
@@ -119,10 +124,21 @@ class Pipeline:
         certificate = self.certify(problem, best)
         if certificate is not None:
             emit(certificate)
-        topology, edits = self.edit(self.merge(opened, simplified, initial, best, problem), grid)
+        merged = self.merge(opened.grid, simplified, initial, best, problem)
+        topology, edits = self.edit(merged, opened)
         if edits is not None:
             emit(edits)
         return emit(topology)
+
+    def propose(self, grid: OccupancyGrid, emit: Emit = silent) -> Proposals:
+        """Section II up to the virtual doors."""
+        simplified = emit(self.simplify(grid))
+        path = emit(self.trace(simplified))
+        curvature = emit(self.curvature(path))
+        candidates = emit(self.candidates(path, curvature))
+        corners = emit(self.corners(path, curvature, candidates))
+        doors = emit(self.doors(simplified, path, corners))
+        return Proposals(simplified, path, corners, doors)
 
 
 AnyPipeline = Pipeline | VoronoiDoorsPipeline | ErodedSpacePipeline

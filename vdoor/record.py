@@ -86,13 +86,11 @@ class Record:
                 continue
             if not isinstance(value, np.ndarray) or value.dtype != dtype or value.ndim != len(spec.axes):
                 found = f"{value.dtype} {value.shape}" if isinstance(value, np.ndarray) else type(value).__name__
-                msg = f"{type(self).__name__}.{name}: wanted {dtype} ({spec.shape}), found {found}"
-                raise RecordingError(msg)
+                raise RecordingError(f"{type(self).__name__}.{name}: wanted {dtype} ({spec.shape}), found {found}")
             for axis, length in zip(spec.axes, value.shape, strict=True):
                 wanted = int(axis) if axis.isdigit() else lengths.setdefault(axis, length)
                 if length != wanted:
-                    msg = f"{type(self).__name__}.{name}: wanted {wanted} along {axis}, found {length}"
-                    raise RecordingError(msg)
+                    raise RecordingError(f"{type(self).__name__}.{name}: wanted {wanted} along {axis}, found {length}")
             frozen = value.view()
             frozen.flags.writeable = False
             object.__setattr__(self, name, frozen)
@@ -100,11 +98,9 @@ class Record:
     def _check_texts(self, name: str, texts: tuple[str, ...], wanted: int) -> None:
         """Raise `RecordingError` for texts that are not lines, or not as many as wanted."""
         if not isinstance(texts, tuple) or not all(isinstance(text, str) and TEXT.fullmatch(text) for text in texts):
-            msg = f"{type(self).__name__}.{name}: wanted lines of at most 100 characters, found others"
-            raise RecordingError(msg)
+            raise RecordingError(f"{type(self).__name__}.{name}: wanted lines of at most 100 characters, found others")
         if len(texts) != wanted:
-            msg = f"{type(self).__name__}.{name}: wanted {wanted} texts or none, found {len(texts)}"
-            raise RecordingError(msg)
+            raise RecordingError(f"{type(self).__name__}.{name}: wanted {wanted} texts or none, found {len(texts)}")
 
 
 def specs(record: type[Record]) -> dict[str, tuple[Spec, np.dtype[Any] | None]]:
@@ -151,3 +147,26 @@ def equal(one: Record, other: Record) -> bool:
         elif a.shape != b.shape or a.tobytes() != b.tobytes():
             return False
     return True
+
+
+def sizes(record: Record) -> str:
+    """One line about a record: the sizes of its rasters and tables, and its numbers."""
+    kind = type(record)
+    found = [
+        f"{name} {' x '.join(map(str, getattr(record, name).shape))}"
+        for name, (spec, _) in specs(kind).items()
+        if spec.kind in RASTERS
+    ]
+    found += [f"{table} {len(getattr(record, columns[0]))}" for table, columns in tables(kind).items()]
+    found += [f"{name} {getattr(record, name):.6g}" for name, (spec, _) in specs(kind).items() if spec.kind in SCALARS]
+    return ", ".join(found)
+
+
+def texts_of(record: Record, column: str) -> list[str]:
+    """The values of one column for people: words for codes, numbers to four digits."""
+    values = np.asarray(getattr(record, column))
+    spec = specs(type(record))[column][0]
+    if spec.words:
+        return [spec.words[code] for code in values.tolist()]
+    rows = values.reshape(len(values), -1).tolist()
+    return [",".join(f"{value:.4g}" if isinstance(value, float) else str(value) for value in row) for row in rows]

@@ -117,11 +117,11 @@ class ErodedSpacePipeline:
     def __call__(self, grid: OccupancyGrid, rng: np.random.Generator, emit: Emit = silent) -> TopologicalMap:
         """Rooms and doors of `grid`; `emit` sees every stage's record on the way. Nothing is drawn from `rng`."""
         del rng
-        opened = self.edit.opened(emit(grid))
-        simplified = emit(self.simplify(opened))
+        opened = self.edit.open_doors(emit(grid))
+        simplified = emit(self.simplify(opened.grid))
         eroded = emit(self.erode(simplified))
         grown = emit(self.grow(simplified, eroded))
-        topology, edits = self.edit(self.label(opened, simplified, grown), grid)
+        topology, edits = self.edit(self.label(opened.grid, simplified, grown), opened)
         if edits is not None:
             emit(edits)
         return emit(topology)

@@ -1,4 +1,4 @@
-"""The generalised Voronoi diagram of the free space, as the lines that thinning leaves of it."""
+"""The generalised Voronoi diagram of the free space, as thinning leaves it, and how far its cells are from walls."""
 
 from __future__ import annotations
 

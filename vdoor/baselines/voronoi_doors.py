@@ -90,15 +90,15 @@ class VoronoiDoorsPipeline:
     def __call__(self, grid: OccupancyGrid, rng: np.random.Generator, emit: Emit = silent) -> TopologicalMap:
         """Rooms and doors of `grid`; `emit` sees every stage's record on the way. Nothing is drawn from `rng`."""
         del rng
-        opened = self.edit.opened(emit(grid))
-        simplified = emit(self.simplify(opened))
+        opened = self.edit.open_doors(emit(grid))
+        simplified = emit(self.simplify(opened.grid))
         skeleton = emit(self.skeleton(simplified))
         narrows = emit(self.narrows(simplified, skeleton))
         doors = emit(self.cross(simplified, narrows))
         initial = emit(self.divide(simplified, *without_corners(simplified.frame), doors))
         problem = MergeProblem(initial, self.cost)
         choice = emit(everything_kept(problem))
-        topology, edits = self.edit(self.merge(opened, simplified, initial, choice, problem), grid)
+        topology, edits = self.edit(self.merge(opened.grid, simplified, initial, choice, problem), opened)
         if edits is not None:
             emit(edits)
         return emit(topology)

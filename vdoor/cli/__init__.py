@@ -19,8 +19,6 @@ from vdoor.cli import (
     studies,
     sweeps,
     terminal,
-    training,
-    trials,
     viewing,
 )
 from vdoor.errors import VdoorError, say
@@ -56,11 +54,11 @@ COMMANDS = (
     ("door", edits.door, "vdoor door add result/ 4.9,6.1 4.9,7.1; vdoor door remove result/ 3"),
     ("golden", recordings.golden, "vdoor golden recordings/golden"),
     ("evaluate", evaluate.evaluate, "vdoor evaluate result/ --reference truth.png --min door_f1=0.9 --save seen.rrd"),
-    ("ablate", trials.ablate, "vdoor ablate maps/ --reference truth/ --exclude furnished --model my_curves.json"),
-    ("robust", trials.robust, "vdoor robust maps/ --reference truth/ --bare-map maps/ --free-from 250 --json"),
+    ("ablate", evaluate.ablate, "vdoor ablate maps/ --reference truth/ --exclude furnished --model my_curves.json"),
+    ("robust", evaluate.robust, "vdoor robust maps/ --reference truth/ --bare-map maps/ --free-from 250 --json"),
     ("sweep", sweeps.sweep, "vdoor sweep --png all.png; vdoor sweep cost.bias=-1..1:0.5 seed=0..9 --json"),
     ("synth", studies.synth, "vdoor synth maps/flat --kind paper --seed 3 --set furniture=true"),
-    ("train", training.train, "vdoor train -o curves.json; vdoor run map.pgm --set score.model=curves.json"),
+    ("train", studies.train, "vdoor train -o curves.json; vdoor run map.pgm --set score.model=curves.json"),
     ("bench", studies.bench, "vdoor bench --tile 4"),
     ("paper", paper.paper, "vdoor paper --apartments 20; vdoor paper --out recordings/paper --rrd --force"),
     ("search-study", studies.search_study, "vdoor search-study --graphs 60 --seeds 50"),

@@ -1,17 +1,36 @@
-"""`vdoor evaluate`."""
+"""`vdoor evaluate`, `vdoor ablate` and `vdoor robust`."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from vdoor.cli.options import Force, Json, Resolution
+from vdoor.cli.options import Force, Json, Preset, Resolution, Seed, Set, chosen_pipeline
+from vdoor.config import DEFAULT_PRESET
 from vdoor.errors import say
+
+if TYPE_CHECKING:
+    from vdoor.experiments import Choice, Row, Trial
+
+
+Maps = Annotated[Path, typer.Argument(metavar="MAPS", help="Folder of maps, or a map.")]
+Reference = Annotated[
+    Path, typer.Option("--reference", metavar="REF", help="True labels, rooms drawn white, doors in JSON; or folder.")
+]
+BareMap = Annotated[
+    Path | None, typer.Option(metavar="MAP", help="Unfurnished map that REF's rooms were drawn on, or a folder.")
+]
+FreeFrom = Annotated[
+    int | None, typer.Option(min=0, max=255, metavar="GREY", help="Cells are measured from this grey on.")
+]
+Only = Annotated[list[str] | None, typer.Option(metavar="TEXT", help="Maps with it in their name; repeatable.")]
+Exclude = Annotated[list[str] | None, typer.Option(metavar="TEXT", help="No maps with it in their name; repeatable.")]
+Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Nothing on stderr but errors.")]
 
 
 def evaluate(
@@ -80,3 +99,106 @@ def _notes_said(*, quiet: bool) -> Iterator[None]:
         yield
     for text in () if quiet else dict.fromkeys(str(note.message) for note in notes):
         say(f"note: {text}")
+
+
+def ablate(
+    maps: Maps,
+    *,
+    reference: Reference,
+    bare_map: BareMap = None,
+    free_from: FreeFrom = None,
+    resolution: Resolution = None,
+    only: Only = None,
+    exclude: Exclude = None,
+    model: Annotated[
+        list[Path] | None, typer.Option(metavar="FILE", help="Also with these curves of `vdoor train`; repeatable.")
+    ] = None,
+    preset: Preset = DEFAULT_PRESET,
+    set_: Set = None,
+    seed: Seed = 0,
+    as_json: Json = False,
+    quiet: Quiet = False,
+) -> None:
+    """Measure what each part of the recipe is worth, on maps whose rooms or doors are known."""
+    from vdoor.experiments import ablation, tables, variants_with
+
+    pipeline = chosen_pipeline(preset, None, set_)
+    variants, models = variants_with(model or ())
+    choice = chosen(reference, bare_map, resolution_m=resolution, free_from=free_from, only=only, exclude=exclude)
+    trials = read(maps, choice, quiet=quiet)
+    found = ablation(trials, pipeline, variants=variants, models=models, seed=seed)
+    rows = _said(found, quiet=quiet)
+    table = tables.table(rows, tables.ABLATION, "variant")
+    _print(tables.document(rows, trials, preset, seed) if as_json else table)
+
+
+def robust(
+    maps: Maps,
+    *,
+    reference: Reference,
+    bare_map: BareMap = None,
+    free_from: FreeFrom = None,
+    resolution: Resolution = None,
+    only: Only = None,
+    exclude: Exclude = None,
+    preset: Preset = DEFAULT_PRESET,
+    set_: Set = None,
+    seed: Seed = 0,
+    as_json: Json = False,
+    quiet: Quiet = False,
+) -> None:
+    """Measure what doors lose on maps turned, in larger cells, and with noise on their walls."""
+    from vdoor.experiments import robustness, tables
+
+    pipeline = chosen_pipeline(preset, None, set_)
+    choice = chosen(reference, bare_map, resolution_m=resolution, free_from=free_from, only=only, exclude=exclude)
+    trials = read(maps, choice, quiet=quiet)
+    rows = _said(robustness(trials, pipeline, seed=seed), quiet=quiet)
+    table = tables.table(rows, tables.ROBUSTNESS, "maps")
+    _print(tables.document(rows, trials, preset, seed) if as_json else table)
+
+
+def chosen(
+    reference: Path,
+    bare: Path | None,
+    *,
+    resolution_m: float | None,
+    free_from: int | None,
+    only: list[str] | None,
+    exclude: list[str] | None,
+) -> Choice:
+    """Which maps are tried, and how they are read, from the options that say so."""
+    from vdoor.experiments import Choice
+
+    return Choice(
+        reference=reference, bare=bare, resolution_m=resolution_m, free_from=free_from,
+        only=only or (), exclude=exclude or (),
+    )  # fmt: skip
+
+
+def read(maps: Path, choice: Choice, *, quiet: bool) -> list[Trial]:
+    """Maps with references; those without, and what readers warn of, on stderr."""
+    from vdoor.experiments import read_trials
+
+    with _notes_said(quiet=quiet):
+        found = read_trials(maps, choice)
+    for name in () if quiet else found.without_reference:
+        say(f"note: {name} has no reference and is not measured")
+    if not quiet:
+        say(f"{len(found.trials)} maps")
+    return found.trials
+
+
+def _said(rows: Iterable[Row], *, quiet: bool) -> list[Row]:
+    """All rows; each on stderr as soon as it is there."""
+    found = []
+    for row in rows:
+        found.append(row)
+        if not quiet:
+            say(f"{row.name}: door F1 {row.figures['door_f1']:.3f}")
+    return found
+
+
+def _print(told: Mapping[str, Any] | Iterable[str]) -> None:
+    """A table, or a document as JSON."""
+    print(json.dumps(told, indent=1, allow_nan=False) if isinstance(told, Mapping) else "\n".join(told))

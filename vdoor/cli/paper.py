@@ -35,7 +35,7 @@ def paper(
     from vdoor.paper import document, folder, tables
     from vdoor.paper.claims import claims
     from vdoor.paper.everything import Size, gathered
-    from vdoor.viz.matplot import require_matplotlib
+    from vdoor.viz.charts import require_matplotlib
 
     if out is not None:
         require_matplotlib()

@@ -90,18 +90,18 @@ def info(rec: Rec, *, as_json: Json = False) -> None:
     """Say what a recording holds: run, map, settings, stages, and whether it is whole."""
     from vdoor.errors import printable
     from vdoor.pipeline import RECORDS, emitted
-    from vdoor.recording import diff_report, summary
-    from vdoor.recording.check import check as checked
+    from vdoor.recording import check as checking
+    from vdoor.recording import diff_report
 
-    health = checked(rec, types=RECORDS, emits=emitted)
+    health = checking.check(rec, types=RECORDS, emits=emitted)
     if health.info is None:
         raise RecordingError(f"{health.damage[0]}: {rec}")
     changed = _changed(health.info)
     if as_json:
-        said = summary.run_table(health.info) | {"changed": changed} | summary.health_table(health)
+        said = checking.run_table(health.info) | {"changed": changed} | checking.health_table(health)
         print(diff_report.to_json(said))
         return
-    for line in [*summary.run_lines(health.info, changed), *summary.health_lines(health)]:
+    for line in [*checking.run_lines(health.info, changed), *checking.health_lines(health)]:
         print(printable(line))
 
 
@@ -109,14 +109,14 @@ def check(rec: Rec, *, as_json: Json = False) -> None:
     """Read all of a recording and compare every checksum and index: 0 if it is whole, 1 if not."""
     from vdoor.errors import printable
     from vdoor.pipeline import RECORDS, emitted
-    from vdoor.recording import diff_report, summary
-    from vdoor.recording.check import check as checked
+    from vdoor.recording import check as checking
+    from vdoor.recording import diff_report
 
-    health = checked(rec, types=RECORDS, emits=emitted)
+    health = checking.check(rec, types=RECORDS, emits=emitted)
     if as_json:
-        print(diff_report.to_json(summary.health_table(health)))
+        print(diff_report.to_json(checking.health_table(health)))
     else:
-        print("\n".join(map(printable, summary.health_lines(health))))
+        print("\n".join(map(printable, checking.health_lines(health))))
     raise typer.Exit(int(not health.whole))
 
 

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from vdoor.cli.evaluate import BareMap, Exclude, FreeFrom, Only, Quiet, chosen, read
 from vdoor.cli.options import PRESET_HELP, Force, Json, Resolution, Seed, Set, chosen_pipeline
-from vdoor.cli.trials import BareMap, Exclude, FreeFrom, Only, Quiet, chosen, read
 from vdoor.config import DEFAULT_PRESET
 from vdoor.errors import SettingError, say
 
@@ -108,7 +108,7 @@ def _refuse_pictures(save: Path | None, png: Path | None, *, force: bool) -> Non
             raise SettingError(f"output: wanted a folder that is there, found none: {path.parent}")
         refuse_folder(path.parent)
     if png is not None:
-        from vdoor.viz.matplot import require_matplotlib
+        from vdoor.viz.charts import require_matplotlib
 
         require_matplotlib()
 

@@ -58,15 +58,16 @@ def shot(
 ) -> None:
     """Take a PNG picture of each stage, without a screen."""
     from vdoor.files import make_folder, refuse_existing, write_whole
-    from vdoor.viz.rerun.blueprint import MEANING
+    from vdoor.viz.rerun.blueprint import every_tab
     from vdoor.viz.rerun.shot import shots
 
-    by_name = {tab.lower(): tab for tab in MEANING}
+    names = every_tab()
+    by_name = {tab.lower(): tab for tab in names}
     unknown = [name for name in stage or () if name.lower() not in by_name]
     if unknown:
-        raise SettingError(f"--stage: wanted one of {', '.join(MEANING)}, found {unknown[0]!r}")
+        raise SettingError(f"--stage: wanted one of {', '.join(names)}, found {unknown[0]!r}")
     tabs = tuple(by_name[name.lower()] for name in stage) if stage else None
-    refuse_existing((path for tab in tabs or MEANING for path in out.glob(f"*_{_file_name(tab)}")), force=force)
+    refuse_existing((path for tab in tabs or names for path in out.glob(f"*_{_file_name(tab)}")), force=force)
     with _as_rrd(recording) as drawn:
         for picture in shots(drawn, tabs=tabs, size=_size(size)):
             make_folder(out)

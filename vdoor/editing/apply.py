@@ -51,6 +51,13 @@ class Edited(NamedTuple):
     edits: Edits | None
 
 
+class OpenedDoors(NamedTuple):
+    """The map with closed doors opened, and what was opened for each edit, None where there is no wall."""
+
+    grid: OccupancyGrid
+    openings: dict[Edit, Opening | None]
+
+
 class Outcome(NamedTuple):
     """What came of one edit, and the keys of the rooms that it speaks of."""
 
@@ -81,18 +88,20 @@ class EditRooms:
         """The edits."""
         return tuple(parse(line) for line in self.edits)
 
-    def opened(self, grid: OccupancyGrid) -> OccupancyGrid:
+    def open_doors(self, grid: OccupancyGrid) -> OpenedDoors:
         """The map with closed doors opened; what has none stays as it is."""
-        found = [opening for opening in self._openings(grid).values() if opening is not None]
-        if not found:
-            return grid
-        cells = grid.cells.copy()
-        for opening in found:
-            cells[tuple(opening.cells.T)] = FREE
-        return OccupancyGrid(cells=cells, frame=grid.frame, source=grid.source)
+        closed = [edit for edit in self.parsed if edit.kind == "closed-door"]
+        found = openings(grid.free, grid.frame, [edit.places_m[0] for edit in closed])
+        through = [opening for opening in found if opening is not None]
+        if through:
+            cells = grid.cells.copy()
+            for opening in through:
+                cells[tuple(opening.cells.T)] = FREE
+            grid = OccupancyGrid(cells=cells, frame=grid.frame, source=grid.source)
+        return OpenedDoors(grid, dict(zip(closed, found, strict=True)))
 
-    def __call__(self, topology: TopologicalMap, grid: OccupancyGrid | None = None) -> Edited:
-        """The edited map; `grid` is the map as read, which closed doors are found on.
+    def __call__(self, topology: TopologicalMap, opened: OpenedDoors | None = None) -> Edited:
+        """The edited map; `opened` is what `open_doors` made of the map as read.
 
         An edit that cannot be done changes nothing and has a verdict that says why. Doors lie where rooms touch, as
         before, and those along a cut are of the kind `added`.
@@ -100,14 +109,9 @@ class EditRooms:
         if not self.edits:
             return Edited(topology, None)
         draft = Draft(topology, taken=self.taken)
-        desk = Desk(draft, self._openings(grid) if grid is not None else {})
+        desk = Desk(draft, opened.openings if opened is not None else {})
         outcomes = [DO[edit.kind](desk, edit) for edit in self.parsed]
         return Edited(draft.finished(), self._record(outcomes, draft))
-
-    def _openings(self, grid: OccupancyGrid) -> dict[Edit, Opening | None]:
-        closed = [edit for edit in self.parsed if edit.kind == "closed-door"]
-        found = openings(grid.free, grid.frame, [edit.places_m[0] for edit in closed])
-        return dict(zip(closed, found, strict=True))
 
     def _record(self, outcomes: Sequence[Outcome], draft: Draft) -> Edits:
         nowhere = (np.nan, np.nan)

@@ -11,8 +11,9 @@ from scipy.spatial import cKDTree
 
 from vdoor.editing.split_room import borders, clipped, parts, prolonged, room_of_line
 from vdoor.frame import Frame
-from vdoor.method.final_doors import Doors, contacts, doors_along, to_segment_m
+from vdoor.method.final_doors import Doors, doors_along, to_segment_m
 from vdoor.method.final_map import Features, map_of
+from vdoor.raster.labels import contacts
 from vdoor.topology import TopologicalMap
 
 Floats = NDArray[np.float64]

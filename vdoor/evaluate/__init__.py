@@ -2,10 +2,9 @@
 
 from vdoor.evaluate.cases import Case, Cases, matched
 from vdoor.evaluate.division import Division, MapChoice, read_division
-from vdoor.evaluate.door_matching import DoorMatch, Tally, match_doors
-from vdoor.evaluate.door_places import Doors, contact_doors, marked_doors
+from vdoor.evaluate.door_places import DoorMatch, Doors, Tally, contact_doors, marked_doors, match_doors
 from vdoor.evaluate.evaluation import Evaluation, evaluate, evaluate_case, means, pooled
-from vdoor.evaluate.label_images import rooms_of
+from vdoor.evaluate.label_files import rooms_of
 from vdoor.evaluate.reference import Reference, read_reference
 from vdoor.evaluate.room_scores import RoomScore, compare_rooms
 

@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 
 from vdoor.errors import VdoorError
 from vdoor.evaluate.door_places import Doors, contact_doors
-from vdoor.evaluate.label_files import read_image, read_labels, read_table
-from vdoor.evaluate.label_images import Labels, rooms_of
+from vdoor.evaluate.label_files import Labels, read_image, read_labels, read_table, rooms_of
 from vdoor.formats import READERS, read_map
 from vdoor.frame import Frame
 from vdoor.grid import OccupancyGrid

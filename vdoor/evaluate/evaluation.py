@@ -10,8 +10,7 @@ import numpy as np
 
 from vdoor.evaluate.cases import Case
 from vdoor.evaluate.division import Division, MapChoice, read_division
-from vdoor.evaluate.door_matching import TOLERANCES_M, DoorMatch, Tally, match_doors
-from vdoor.evaluate.door_places import Doors
+from vdoor.evaluate.door_places import TOLERANCES_M, DoorMatch, Doors, Tally, match_doors
 from vdoor.evaluate.reference import Reference, read_reference
 from vdoor.evaluate.room_scores import RoomScore, compare_rooms
 

@@ -14,8 +14,7 @@ from numpy.typing import NDArray
 from vdoor.errors import MapError, VdoorError
 from vdoor.evaluate.division import Division, MapChoice, check_size, is_result
 from vdoor.evaluate.door_places import Doors, contact_doors, marked_doors
-from vdoor.evaluate.label_files import read_table, read_true_rooms
-from vdoor.evaluate.label_images import Labels, rooms_of
+from vdoor.evaluate.label_files import Labels, read_table, read_true_rooms, rooms_of
 from vdoor.formats.source import shown
 from vdoor.formats.valetudo import segment_labels
 from vdoor.formats.valetudo_json import is_valetudo

@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 
-from vdoor.evaluate.label_images import Labels
+from vdoor.evaluate.label_files import Labels
 
 Table = NDArray[np.int64]
 

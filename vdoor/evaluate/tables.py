@@ -9,8 +9,7 @@ import numpy as np
 
 from vdoor.errors import SettingError
 from vdoor.evaluate.cases import Cases
-from vdoor.evaluate.door_matching import TOLERANCES_M
-from vdoor.evaluate.door_places import Doors
+from vdoor.evaluate.door_places import TOLERANCES_M, Doors
 from vdoor.evaluate.evaluation import Evaluation, means, pooled
 from vdoor.frame import Frame
 

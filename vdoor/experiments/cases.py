@@ -1,4 +1,4 @@
-"""Maps and the truth about each, read once for many runs."""
+"""Maps and the truth about each, read from files once for many runs, or drawn."""
 
 from __future__ import annotations
 

@@ -13,10 +13,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from skimage.measure import block_reduce
 
 from vdoor.frame import Frame
 from vdoor.grid import FREE, FREE_TO, OCCUPIED, UNKNOWN, OccupancyGrid
-from vdoor.method.simplify import any_in_block, resampled, working_frame
+from vdoor.method.simplify import resampled, working_frame
 
 Mask = NDArray[np.bool_]
 Ints = NDArray[np.intp]
@@ -57,7 +58,7 @@ def coarsen(sheet: Sheet, _: np.random.Generator, *, cell_m: float = COARSE_M) -
     factor = max(1, round(cell_m / sheet.grid.frame.resolution_m))
     frame = working_frame(sheet.grid.frame, factor)
     grid = OccupancyGrid(cells=resampled(sheet.grid, factor), frame=frame, source=sheet.grid.source)
-    return Sheet(grid, any_in_block(sheet.free, factor) & grid.free)
+    return Sheet(grid, block_reduce(sheet.free, factor, np.any) & grid.free)
 
 
 def roughen(sheet: Sheet, rng: np.random.Generator, *, noise: float = NOISE, specks: float = SPECKS) -> Sheet:

@@ -68,13 +68,8 @@ def problems(pipeline: Pipeline) -> Iterator[tuple[int, bool, MergeProblem]]:
 def initial_map(pipeline: Pipeline, apartment: Apartment, seed: int) -> InitialMap:
     """The initial topological map of a synthetic apartment."""
     grid = synthesize(apartment, np.random.default_rng(seed)).grid
-    simplify = dataclasses.replace(pipeline.simplify, max_island_m=1.0)
-    simplified = simplify(grid)
-    path = pipeline.trace(simplified)
-    curvature = pipeline.curvature(path)
-    candidates = pipeline.candidates(path, curvature)
-    corners = pipeline.corners(path, curvature, candidates)
-    return pipeline.divide(simplified, path, corners, pipeline.doors(simplified, path, corners))
+    without_islands = dataclasses.replace(pipeline.simplify, max_island_m=1.0)
+    return pipeline.divide(*dataclasses.replace(pipeline, simplify=without_islands).propose(grid))
 
 
 def first_hit(pipeline: Pipeline, problem: MergeProblem, optimum: float, seed: int) -> int | None:

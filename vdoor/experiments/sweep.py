@@ -11,7 +11,7 @@ import numpy as np
 
 from vdoor.errors import VdoorError
 from vdoor.evaluate import Evaluation, Tally, evaluate, marked_doors, match_doors, pooled
-from vdoor.evaluate.door_matching import TOLERANCES_M
+from vdoor.evaluate.door_places import TOLERANCES_M
 from vdoor.experiments.cases import Trial
 from vdoor.experiments.measure import measured
 from vdoor.experiments.steps import Setting, Step

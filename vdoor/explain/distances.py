@@ -1,4 +1,4 @@
-"""What lies nearest to a point."""
+"""What lies nearest to a point, and how far virtual doors reach."""
 
 from __future__ import annotations
 

@@ -10,19 +10,13 @@ from vdoor.explain.corners import CornerFate, Sample
 from vdoor.explain.distances import Point
 from vdoor.explain.doors import DoorFate, Passage
 from vdoor.explain.scores import Conflict, Reason, ScoreFate
+from vdoor.explain.stages import percent, view_of
 from vdoor.grid import FREE_TO, OCCUPIED_FROM
 from vdoor.method.initial_map import IDLE
+from vdoor.method.simplify import SimplifiedGrid
 
 MOST_RIVALS = 5
 """Told one by one."""
-REASONS = {
-    "unreachable": "not where the robot can be, nor a wall beside that",
-    "jut": "a short bump of a wall, flattened: free now",
-    "notch": "a short dent of a wall, filled: occupied now",
-    "island": "an obstacle standing free, removed: free now",
-    "thin unknown": "unknown in a thin line with free space around it: free now",
-    "slit": "free space too narrow to go through: closed now",
-}
 
 
 def to_lines(answer: Answer) -> Iterator[str]:
@@ -63,7 +57,8 @@ def place_lines(place: Place) -> Iterator[str]:
         yield f"  input: {state} ({place.value} of 100)"
     if place.working_col_row:
         col, row = place.working_col_row
-        means = f"; {place.reason}: {REASONS[place.reason]}" if place.reason in REASONS else ", as it was"
+        words = view_of(SimplifiedGrid).words
+        means = f"; {place.reason}: {words[place.reason]}" if place.reason in words else ", as it was"
         yield f"  simplified: {place.state} (working cell {col},{row}){means}"
     if place.room:
         yield f"  final map: room {place.room}"
@@ -176,14 +171,6 @@ def score_lines(score: ScoreFate) -> Iterator[str]:
     else:
         for word, reasons in (("for", score.reasons_for), ("against", score.reasons_against)):
             yield f"      {word}: {', '.join(map(_reason, reasons)) or 'nothing'}"
-
-
-def percent(share: float) -> str:
-    """A share in whole percent, never 0 or 100 where it is not."""
-    rounded = round(100 * share)
-    if rounded == 0 < share:
-        return "under 1 %"
-    return "over 99 %" if rounded == 100 > 100 * share else f"{rounded} %"  # noqa: PLR2004  # percent
 
 
 _JUDGEMENTS: dict[str, Callable[[ScoreFate], str]] = {

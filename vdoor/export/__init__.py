@@ -14,9 +14,8 @@ from typing import NamedTuple
 
 from vdoor.errors import SettingError
 from vdoor.export.geojson import to_geojson
-from vdoor.export.graphml import to_graphml
+from vdoor.export.graphs import to_graphml, to_json
 from vdoor.export.nav2_route import to_nav2_route
-from vdoor.export.node_link import to_json
 from vdoor.export.raster import SUFFIXES, Raster, to_keepout, to_labels
 from vdoor.export.report import to_report
 from vdoor.export.rmf import to_rmf

@@ -1,4 +1,4 @@
-"""GeoJSON for map programs: rooms as polygons with holes, doors as lines."""
+"""GeoJSON for map programs: rooms as polygons with holes, doors as lines, a feature a line."""
 
 from __future__ import annotations
 
@@ -6,8 +6,7 @@ import json
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from vdoor.export.checks import refuse_not_finite
-from vdoor.export.geometry import line_m, right_handed
+from vdoor.export.geometry import line_m, refuse_not_finite, right_handed
 from vdoor.topology import Door, Room, TopologicalMap
 
 

@@ -8,9 +8,8 @@ from itertools import pairwise
 from typing import Any, NamedTuple
 
 from vdoor.errors import VdoorError
-from vdoor.export.checks import refuse_not_finite
 from vdoor.export.geojson import collection_text, feature
-from vdoor.export.geometry import Point
+from vdoor.export.geometry import Point, refuse_not_finite
 from vdoor.export.routes import Doorway, doorways
 from vdoor.topology import TopologicalMap
 

@@ -1,4 +1,4 @@
-"""Images of the map's cells with a map_server YAML beside them."""
+"""Images of the map's cells with a map_server YAML beside them: the label image, and Nav2's keepout mask."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from vdoor.errors import SettingError, VdoorError
-from vdoor.export.checks import check_rooms
+from vdoor.export.geometry import check_rooms
 from vdoor.grid import FREE, OCCUPIED, OccupancyGrid
 from vdoor.results.writing import MOST_ROOMS, greys, map_server_yaml, png
 from vdoor.topology import TopologicalMap

@@ -8,8 +8,7 @@ from typing import Any
 
 import yaml
 
-from vdoor.export.checks import refuse_not_finite
-from vdoor.export.geometry import Point, line_m
+from vdoor.export.geometry import Point, line_m, refuse_not_finite
 from vdoor.export.routes import Doorway, doorways
 from vdoor.topology import Room, TopologicalMap
 

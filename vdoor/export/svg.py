@@ -8,8 +8,7 @@ import xml.etree.ElementTree as ET  # written here, never read
 import numpy as np
 from numpy.typing import NDArray
 
-from vdoor.export.checks import refuse_not_finite
-from vdoor.export.geometry import Point, line_m
+from vdoor.export.geometry import Point, line_m, refuse_not_finite
 from vdoor.topology import Door, Room, TopologicalMap
 from vdoor.viz.rerun import style
 

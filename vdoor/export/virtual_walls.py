@@ -7,8 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from vdoor.export.checks import check_rooms, refuse_not_finite
-from vdoor.export.geometry import Point, line_m
+from vdoor.export.geometry import Point, check_rooms, line_m, refuse_not_finite
 from vdoor.topology import Door, TopologicalMap
 
 CM_PER_M = 100

@@ -114,8 +114,7 @@ def read_piped(
         data += piece
     name = next(name for begin, name in PIPED if data[:PIPE_PIECE].lstrip().startswith(begin))
     if len(data) > limit:
-        msg = f"file: wanted a map, found none of at most {limit} bytes: {name}"
-        raise MapError(msg)
+        raise MapError(f"file: wanted a map, found none of at most {limit} bytes: {name}")
     options = _options(resolution_m=resolution_m, unknown_value=unknown_value)
     return _read(Request(source=Source(((name, bytes(data)),), options), max_cells=max_cells))
 
@@ -156,8 +155,9 @@ def _reader(request: Request) -> Reader:
         if suffix in reader.suffixes:
             return reader
     known = ", ".join(suffix for reader in READERS for suffix in reader.suffixes)
-    msg = f"map: wanted a file that ends in {known}, found {suffix or 'no suffix'}: {request.path(request.name)}"
-    raise MapError(msg)
+    raise MapError(
+        f"map: wanted a file that ends in {known}, found {suffix or 'no suffix'}: {request.path(request.name)}"
+    )
 
 
 def _opened(path: Path, options: Options, *, max_cells: int) -> Request:
@@ -171,8 +171,7 @@ def _opened(path: Path, options: Options, *, max_cells: int) -> Request:
         _check_file(path)
         return reader.keep(path, options, max_cells=max_cells)
     if "topic" in options:
-        msg = f"--topic: wanted a bag to choose from, found a {Path(name).suffix}: {path}"
-        raise MapError(msg)
+        raise MapError(f"--topic: wanted a bag to choose from, found a {Path(name).suffix}: {path}")
     first = (name, _bytes(path, max_cells=max_cells))
     alone = replace(bare, source=Source((first,), options))
     with alone.naming(name):
@@ -193,8 +192,7 @@ def _bytes(path: Path, *, max_cells: int) -> bytes:
     try:
         return path.read_bytes()
     except OSError as error:
-        msg = f"file: wanted a map, found {error.strerror}: {path}"
-        raise MapError(msg) from error
+        raise MapError(f"file: wanted a map, found {error.strerror}: {path}") from error
 
 
 def _check_file(path: Path, limit: float = float("inf")) -> None:
@@ -206,5 +204,4 @@ def _check_file(path: Path, limit: float = float("inf")) -> None:
         found = f"none of at most {limit:.0f} bytes" if path.is_file() else found
     except (OSError, ValueError) as error:  # ValueError: a path with a null byte
         found = getattr(error, "strerror", None) or str(error)
-    msg = f"file: wanted a map, found {found}: {path}"
-    raise MapError(msg)
+    raise MapError(f"file: wanted a map, found {found}: {path}")

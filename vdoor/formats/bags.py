@@ -64,8 +64,7 @@ def keep(path: Path, options: Options, *, max_cells: int) -> Request:
 
 def read(request: Request) -> NoReturn:
     """Refuse kept bytes that are called a bag: of a bag, other things are kept."""
-    msg = f"map: wanted what is kept of a bag, found a bag: {request.path(request.name)}"
-    raise MapError(msg)
+    raise MapError(f"map: wanted what is kept of a bag, found a bag: {request.path(request.name)}")
 
 
 def _files(path: Path) -> list[Path]:

@@ -60,14 +60,11 @@ def _pillow() -> Iterator[None]:
     except MapError:
         raise
     except UnidentifiedImageError:
-        msg = "image: wanted PGM, PNG, BMP or TIFF, found something else"
-        raise MapError(msg) from None
+        raise MapError("image: wanted PGM, PNG, BMP or TIFF, found something else") from None
     except Image.DecompressionBombError as error:
-        msg = f"image: wanted a size that Pillow accepts, found more ({shown(str(error))})"
-        raise MapError(msg) from error
+        raise MapError(f"image: wanted a size that Pillow accepts, found more ({shown(str(error))})") from error
     except DAMAGE as error:
-        msg = f"image: wanted a whole file, found a damaged one ({shown(str(error))})"
-        raise MapError(msg) from error
+        raise MapError(f"image: wanted a whole file, found a damaged one ({shown(str(error))})") from error
 
 
 def _grey(image: Image.Image) -> GreyImage:
@@ -77,8 +74,7 @@ def _grey(image: Image.Image) -> GreyImage:
         key = image.info.get("transparency")
         return GreyImage(samples=samples, maxval=65535, opaque=None if key is None else samples != key)
     if image.mode in ("I", "F"):
-        msg = f"image: wanted 1 to 16 bits a sample, found Pillow's mode {image.mode} of 32"
-        raise MapError(msg)
+        raise MapError(f"image: wanted 1 to 16 bits a sample, found Pillow's mode {image.mode} of 32")
     if image.mode in ("1", "L") and not image.has_transparency_data:
         return GreyImage(samples=np.asarray(image.convert("L")))
     channels = np.asarray(image.convert("RGBA"))

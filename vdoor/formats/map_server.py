@@ -90,47 +90,42 @@ def parse(data: bytes) -> Header:
 def _table(data: bytes) -> Mapping[str, Any]:
     """YAML as a table of texts, lists and tables."""
     if len(data) > MAX_BYTES:
-        msg = f"YAML: wanted at most {MAX_BYTES} bytes, found {len(data)}"
-        raise MapError(msg)
+        raise MapError(f"YAML: wanted at most {MAX_BYTES} bytes, found {len(data)}")
     try:
         # Safe: this loader makes texts, lists and tables, resolves no tag and merges no keys.
         table = yaml.load(data, Loader=yaml.BaseLoader)  # noqa: S506
     except (yaml.YAMLError, ValueError, OverflowError, RecursionError) as error:
         problem = getattr(error, "problem", None) or type(error).__name__
         mark = getattr(error, "problem_mark", None)
-        msg = f"YAML{f', line {mark.line + 1}' if mark else ''}: wanted a map_server file, found {shown(problem)}"
-        raise MapError(msg) from None
+        raise MapError(
+            f"YAML{f', line {mark.line + 1}' if mark else ''}: wanted a map_server file, found {shown(problem)}"
+        ) from None
     if not isinstance(table, dict):
-        msg = f"YAML: wanted a table of keys, found {shown(table)}"
-        raise MapError(msg)
+        raise MapError(f"YAML: wanted a table of keys, found {shown(table)}")
     return cast("Mapping[str, Any]", table)
 
 
 def _value(table: Mapping[str, Any], key: str, convert: Callable[[Any], T]) -> T:
     """Value of a required key, converted; MapError names the key."""
     if key not in table:
-        msg = f"YAML: wanted the key {key}, found none"
-        raise MapError(msg)
+        raise MapError(f"YAML: wanted the key {key}, found none")
     try:
         return convert(table[key])
     except MapError as error:
         text = str(error)
-        msg = text if text.startswith(key) else f"{key}: {text}"
-        raise MapError(msg) from None
+        raise MapError(text if text.startswith(key) else f"{key}: {text}") from None
 
 
 def _file(text: Any) -> str:
     if isinstance(text, str) and base_name(text):
         return text
-    msg = f"wanted the path of an image, found {shown(text)}"
-    raise MapError(msg)
+    raise MapError(f"wanted the path of an image, found {shown(text)}")
 
 
 def _origin(values: Any) -> tuple[float, float, float]:
     wanted = 3
     if not isinstance(values, list) or len(values) != wanted:
-        msg = f"wanted [x, y, yaw], found {shown(values)}"
-        raise MapError(msg)
+        raise MapError(f"wanted [x, y, yaw], found {shown(values)}")
     x_m, y_m, yaw = values
     yaw_rad = number(yaw)
     return finite(x_m), finite(y_m), yaw_rad if math.isnan(yaw_rad) else finite(yaw)
@@ -140,8 +135,7 @@ def _threshold(text: Any) -> float:
     value = finite(text)
     if 0 <= value <= 1:
         return value
-    msg = f"wanted 0 to 1, found {shown(text)}"
-    raise MapError(msg)
+    raise MapError(f"wanted 0 to 1, found {shown(text)}")
 
 
 def _flag(text: Any) -> bool:
@@ -152,8 +146,7 @@ def _flag(text: Any) -> bool:
     try:
         return int(word) != 0
     except ValueError:
-        msg = f"wanted 0, 1, true or false, found {shown(text)}"
-        raise MapError(msg) from None
+        raise MapError(f"wanted 0, 1, true or false, found {shown(text)}") from None
 
 
 def _mode(text: Any) -> Mode:
@@ -161,8 +154,7 @@ def _mode(text: Any) -> Mode:
     for mode in MODES:
         if word == mode:
             return mode
-    msg = f"wanted {', '.join(MODES[:-1])} or {MODES[-1]}, found {shown(text)}"
-    raise MapError(msg)
+    raise MapError(f"wanted {', '.join(MODES[:-1])} or {MODES[-1]}, found {shown(text)}")
 
 
 def _note_oddities(header: Header, request: Request) -> None:

@@ -30,8 +30,7 @@ def read(request: Request) -> OccupancyGrid:
         resolution_m = agreed_resolution_m(_resolution_m(info.resolution), request.resolution_m)
         x_m, y_m = pose.position.x, pose.position.y
         if not (math.isfinite(x_m) and math.isfinite(y_m)):
-            msg = f"origin: wanted finite coordinates, found {x_m:g}, {y_m:g}"
-            raise MapError(msg)
+            raise MapError(f"origin: wanted finite coordinates, found {x_m:g}, {y_m:g}")
         yaw_rad = _yaw_rad(pose.orientation, request)
         request.note_turn(yaw_rad)
     return OccupancyGrid.from_array(cells, resolution_m, x_m=x_m, y_m=y_m, yaw_rad=yaw_rad, source=request.source)
@@ -42,8 +41,9 @@ def _message(data: bytes) -> Any:
     try:
         return ros.unpack(data, TYPE)
     except RecordingError as error:
-        msg = f"message: wanted a whole {TYPE}, found a damaged one ({shown(str(error.__cause__))})"
-        raise MapError(msg) from error
+        raise MapError(
+            f"message: wanted a whole {TYPE}, found a damaged one ({shown(str(error.__cause__))})"
+        ) from error
 
 
 def _cells(message: Any, *, max_cells: int) -> NDArray[np.int8]:
@@ -51,8 +51,7 @@ def _cells(message: Any, *, max_cells: int) -> NDArray[np.int8]:
     height, width = message.info.height, message.info.width
     check_size(height, width, max_cells=max_cells)
     if message.data.size != height * width:
-        msg = f"message: wanted {width} x {height} = {height * width} cells, found {message.data.size}"
-        raise MapError(msg)
+        raise MapError(f"message: wanted {width} x {height} = {height * width} cells, found {message.data.size}")
     check_values("message", message.data)
     cells: NDArray[np.int8] = message.data.reshape(height, width)[::-1]
     return cells
@@ -69,8 +68,7 @@ def _yaw_rad(turn: Any, request: Request) -> float:
     x, y, z, w = turn.x, turn.y, turn.z, turn.w
     length = math.hypot(x, y, z, w)
     if not math.isfinite(length):
-        msg = "origin: wanted a finite quaternion, found another"
-        raise MapError(msg)
+        raise MapError("origin: wanted a finite quaternion, found another")
     if length == 0:
         request.note("origin: the quaternion is all zeros, read as not turned", request.name)
         return 0.0

@@ -42,14 +42,12 @@ def decode(data: bytes, *, max_cells: int) -> NDArray[np.int8]:
     shape, fortran_order, dtype = _header(stream)
     dimensions = 2
     if dtype != np.int8 or len(shape) != dimensions:
-        msg = f"array: wanted int8 in 2 dimensions, found {dtype} in {len(shape)}"
-        raise MapError(msg)
+        raise MapError(f"array: wanted int8 in 2 dimensions, found {dtype} in {len(shape)}")
     height, width = shape
     check_size(height, width, max_cells=max_cells)
     found = len(data) - stream.tell()
     if found < height * width:
-        msg = f"array: wanted {height * width} cells, found {found}"
-        raise MapError(msg)
+        raise MapError(f"array: wanted {height * width} cells, found {found}")
     flat = np.frombuffer(data, np.int8, height * width, stream.tell())
     check_values("array", flat)
     return flat.reshape(shape, order="F" if fortran_order else "C")
@@ -62,5 +60,4 @@ def _header(stream: io.BytesIO) -> tuple[Shape, bool, np.dtype[Any]]:
             warnings.simplefilter("ignore")
             return HEADERS[npy.read_magic(stream)](stream)
     except DAMAGE:
-        msg = "array: wanted a .npy file of version 1 or 2, found something else or a damaged one"
-        raise MapError(msg) from None
+        raise MapError("array: wanted a .npy file of version 1 or 2, found something else or a damaged one") from None

@@ -30,13 +30,11 @@ def decode(data: bytes, *, max_cells: int) -> GreyImage:
     """Grey image of a PGM, samples (h, w) as stored; MapError where it is damaged or too large."""
     header = HEADER.match(data)
     if header is None:
-        msg = "PGM header: wanted width, height and largest value, found something else"
-        raise MapError(msg)
+        raise MapError("PGM header: wanted width, height and largest value, found something else")
     width, height, maxval = (int(text) for text in header.groups()[1:])
     check_size(height, width, max_cells=max_cells)
     if not 1 <= maxval <= MAX_MAXVAL:
-        msg = f"PGM header: wanted a largest value of 1 to {MAX_MAXVAL}, found {maxval}"
-        raise MapError(msg)
+        raise MapError(f"PGM header: wanted a largest value of 1 to {MAX_MAXVAL}, found {maxval}")
     parse = _plain if header[1] == b"2" else _binary
     samples = parse(data, header.end(), count=height * width, wide=maxval > np.iinfo(np.uint8).max)
     return GreyImage(samples=samples.reshape(height, width), maxval=maxval)
@@ -46,8 +44,7 @@ def _binary(data: bytes, start: int, *, count: int, wide: bool) -> NDArray[np.ui
     """`count` samples of one byte, or of two with the high one first."""
     found = (len(data) - start) // (2 if wide else 1)
     if found < count:
-        msg = f"PGM samples: wanted {count}, found {found}"
-        raise MapError(msg)
+        raise MapError(f"PGM samples: wanted {count}, found {found}")
     if wide:
         return np.frombuffer(data, ">u2", count, start).astype(np.uint16)
     return np.frombuffer(data, np.uint8, count, start)
@@ -62,19 +59,16 @@ def _plain(data: bytes, start: int, *, count: int, wide: bool) -> NDArray[np.uin
     first = np.flatnonzero(is_digit & np.concatenate([[True], ~is_digit[:-1]]))[:count]
     last = np.flatnonzero(is_digit & np.concatenate([~is_digit[1:], [True]]))[:count]
     if len(last) < count:
-        msg = f"PGM samples: wanted {count}, found {len(last)}"
-        raise MapError(msg)
+        raise MapError(f"PGM samples: wanted {count}, found {len(last)}")
     lengths = last - first + 1
     odd = ~is_digit & ~np.isin(text, np.frombuffer(b" \t\n\v\f\r", np.uint8))
     if lengths.max() > MAX_DIGITS or odd[: last[-1]].any():
-        msg = f"PGM samples: wanted whole numbers of at most {MAX_DIGITS} digits, found something else"
-        raise MapError(msg)
+        raise MapError(f"PGM samples: wanted whole numbers of at most {MAX_DIGITS} digits, found something else")
     values = np.zeros(count, np.int32)
     for power in range(int(lengths.max())):
         at = lengths > power
         values[at] += digits[last[at] - power].astype(np.int32) * 10**power
     limit = np.iinfo(np.uint16 if wide else np.uint8).max
     if values.max() > limit:
-        msg = f"PGM samples: wanted at most {limit}, found {values.max()}"
-        raise MapError(msg)
+        raise MapError(f"PGM samples: wanted at most {limit}, found {values.max()}")
     return values.astype(np.uint16) if wide else values.astype(np.uint8)

@@ -38,16 +38,14 @@ class Request:
     def name(self) -> str:
         """Base name of the file that the map was opened by; MapError where the source keeps none."""
         if not self.source.files:
-            msg = "files of the map: wanted at least one, found none"
-            raise MapError(msg)
+            raise MapError("files of the map: wanted at least one, found none")
         return self.source.files[0][0]
 
     def data(self, name: str) -> bytes:
         """Bytes of the file with this base name; MapError where there is none or it is empty."""
         data = dict(self.source.files).get(name)
         if not data:
-            msg = f"file: wanted a map, found {'no such file' if data is None else 'an empty file'}"
-            raise MapError(msg)
+            raise MapError(f"file: wanted a map, found {'no such file' if data is None else 'an empty file'}")
         return data
 
     def path(self, name: str) -> str:
@@ -64,8 +62,7 @@ class Request:
         try:
             yield
         except MapError as error:
-            msg = f"{error}: {self.path(name)}"
-            raise MapError(msg) from error.__cause__
+            raise MapError(f"{error}: {self.path(name)}") from error.__cause__
 
     @property
     def resolution_m(self) -> float | None:
@@ -79,14 +76,12 @@ class Request:
         said = self.source.options.get("unknown_value")
         if said is None or (isinstance(said, int) and not isinstance(said, bool) and 0 <= said < GREYS):
             return said
-        msg = f"unknown value: wanted a whole number from 0 to {GREYS - 1}, found {shown(said)}"
-        raise MapError(msg)
+        raise MapError(f"unknown value: wanted a whole number from 0 to {GREYS - 1}, found {shown(said)}")
 
     def refuse_unknown_value(self, what: str) -> None:
         """Refuse a grey for unknown where cells have no grey; `what` names the format."""
         if self.unknown_value is not None:
-            msg = f"unknown value: wanted none for {what}, where unknown cells are marked, found one"
-            raise MapError(msg)
+            raise MapError(f"unknown value: wanted none for {what}, where unknown cells are marked, found one")
 
     def note_turn(self, yaw_rad: float) -> None:
         """Note that a map does not lie along its frame's axes."""
@@ -105,33 +100,28 @@ def checked_resolution_m(value: object) -> float:
     """Metres a cell as float; MapError where it is no number, not finite, or no resolution a map can have."""
     if isinstance(value, (int, float)) and not isinstance(value, bool) and FINEST_M <= value <= COARSEST_M:
         return float(value)
-    msg = f"resolution: wanted {FINEST_M} to {COARSEST_M:g} m a cell, found {shown(value)}"
-    raise MapError(msg)
+    raise MapError(f"resolution: wanted {FINEST_M} to {COARSEST_M:g} m a cell, found {shown(value)}")
 
 
 def agreed_resolution_m(written_m: float, said_m: float | None) -> float:
     """Metres a cell as the file has it; MapError where the user says another."""
     if said_m is not None and not math.isclose(written_m, said_m, rel_tol=1e-9):
-        msg = f"resolution: wanted {said_m:g} m a cell as asked for, found {written_m:g} m"
-        raise MapError(msg)
+        raise MapError(f"resolution: wanted {said_m:g} m a cell as asked for, found {written_m:g} m")
     return written_m
 
 
 def check_values(place: str, values: NDArray[np.int8]) -> None:
     """Refuse cells that are neither unknown nor a per cent of occupancy; `place` names them."""
     if values.min() < UNKNOWN or values.max() > OCCUPIED:
-        msg = f"{place}: wanted values of {UNKNOWN} to {OCCUPIED}, found {values.min()} to {values.max()}"
-        raise MapError(msg)
+        raise MapError(f"{place}: wanted values of {UNKNOWN} to {OCCUPIED}, found {values.min()} to {values.max()}")
 
 
 def check_size(height: int, width: int, *, max_cells: int) -> None:
     """Refuse a map without cells or with too many, as its header announces it, before anything is decoded."""
     if height < 1 or width < 1:
-        msg = f"size: wanted at least one cell, found {width} x {height}"
-        raise MapError(msg)
+        raise MapError(f"size: wanted at least one cell, found {width} x {height}")
     if height * width > max_cells:
-        msg = f"size: wanted at most {max_cells} cells, found {width} x {height}"
-        raise MapError(msg)
+        raise MapError(f"size: wanted at most {max_cells} cells, found {width} x {height}")
 
 
 def number(text: Any) -> float:
@@ -140,16 +130,14 @@ def number(text: Any) -> float:
         # YAML writes .nan and .inf, C writes nan and inf: both are met in real files.
         return float(text.lower().replace(".nan", "nan").replace(".inf", "inf"))
     except (AttributeError, ValueError):
-        msg = f"wanted a number, found {shown(text)}"
-        raise MapError(msg) from None
+        raise MapError(f"wanted a number, found {shown(text)}") from None
 
 
 def finite(text: Any) -> float:
     """Finite value that a YAML scalar writes out; MapError where it is none."""
     value = number(text)
     if not math.isfinite(value):
-        msg = f"wanted a finite number, found {shown(text)}"
-        raise MapError(msg)
+        raise MapError(f"wanted a finite number, found {shown(text)}")
     return value
 
 

@@ -40,8 +40,7 @@ def _pieces(unpacker: Any, data: bytes) -> Iterator[bytes]:
     yield unpacker.decompress(data, PIECE)
     while not unpacker.eof:
         if unpacker.needs_input:
-            msg = "packed bytes: wanted them whole, found them cut short"
-            raise MapError(msg)
+            raise MapError("packed bytes: wanted them whole, found them cut short")
         yield unpacker.decompress(b"", PIECE)
 
 
@@ -51,6 +50,5 @@ def _gathered(pieces: Iterator[bytes], limit: int) -> bytes:
     for piece in pieces:
         gathered += piece
         if len(gathered) > limit:
-            msg = f"packed bytes: wanted at most {limit} when unpacked (--max-cells raises it), found more"
-            raise MapError(msg)
+            raise MapError(f"packed bytes: wanted at most {limit} when unpacked (--max-cells raises it), found more")
     return bytes(gathered)

@@ -1,4 +1,4 @@
-"""Exact books of the free space cut along doors: which pieces there are, and which doors keep them apart."""
+"""The arrangement of doors on the free space: the pieces it is cut into, and which doors keep them apart."""
 
 from __future__ import annotations
 
@@ -82,17 +82,15 @@ def atoms(flat: NDArray[np.int64], door: Ints, width: int) -> tuple[NDArray[np.i
     return cell, atom, cover.astype(np.int32)
 
 
-def sets_of_doors(door: Ints, begin: NDArray[np.intp]) -> NDArray[np.uint64]:
-    """A number (cells,) for each cell's set of doors, equal for equal sets: the sum of the doors' scrambled numbers.
-
-    Of a million different sets, two have the same sum with a chance of 1 in 10 million.
-    """
-    if not len(begin):
-        return np.zeros(0, np.uint64)
-    scrambled = (door.astype(np.uint64) + np.uint64(1)) * np.uint64(0x9E3779B97F4A7C15)
-    for shift, factor in ((30, 0xBF58476D1CE4E5B9), (27, 0x94D049BB133111EB)):  # splitmix64
-        scrambled = (scrambled ^ (scrambled >> np.uint64(shift))) * np.uint64(factor)
-    return np.asarray(np.add.reduceat(scrambled ^ (scrambled >> np.uint64(31)), begin))
+def sets_of_doors(door: Ints, begin: NDArray[np.intp]) -> NDArray[np.int64]:
+    """A number (cells,) for each cell's set of doors, which are sorted: equal for equal sets, and for no others."""
+    count = np.diff(np.append(begin, len(door)))
+    number = np.zeros(len(begin), np.int64)
+    for place in range(count.max(initial=0)):
+        longer = np.flatnonzero(count > place)
+        _, found = np.unique(np.stack([number[longer], door[begin[longer] + place]]), axis=1, return_inverse=True)
+        number[longer] = number.max() + 1 + found
+    return number
 
 
 def components(links: NDArray[np.intp], count: int) -> NDArray[np.intp]:
@@ -128,10 +126,14 @@ def borders(pieces: Pieces, doors: int) -> Ints:
 
 
 def _join(key_left: NDArray[np.integer], key_right: NDArray[np.integer]) -> Ints:
-    """Rows (left, right), unique and sorted, of two relations (key, left) and (key, right)."""
-    right = key_right[np.argsort(key_right[:, 0], kind="stable")]
-    begin = np.searchsorted(right[:, 0], key_left[:, 0], "left")
-    count = np.searchsorted(right[:, 0], key_left[:, 0], "right") - begin
-    row = np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count) + np.repeat(begin, count)
-    rows = np.stack([np.repeat(key_left[:, 1], count), right[row, 1]], axis=1)
-    return np.unique(rows, axis=0).astype(np.int32)
+    """Rows (left, right), unique and sorted, of two relations (key, left) and (key, right): a product of matrices."""
+    keys = int(max(key_left[:, 0].max(initial=-1), key_right[:, 0].max(initial=-1))) + 1
+    left, right = (
+        coo_array(
+            (np.ones(len(rows), np.int32), (rows[:, 0], rows[:, 1])), shape=(keys, int(rows[:, 1].max(initial=-1)) + 1)
+        )
+        for rows in (key_left, key_right)
+    )
+    found = (left.tocsr().T @ right.tocsr()).tocsr()
+    found.sort_indices()
+    return np.stack(found.nonzero(), axis=1).astype(np.int32)

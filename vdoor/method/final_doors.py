@@ -13,6 +13,7 @@ from vdoor.frame import Frame
 from vdoor.method.arrangement import components
 from vdoor.method.initial_map import InitialMap
 from vdoor.method.simplify import SimplifiedGrid
+from vdoor.raster.labels import contacts
 from vdoor.topology import KINDS
 
 Floats = NDArray[np.float64]
@@ -55,18 +56,6 @@ def door_rows(initial: InitialMap, rows: list[tuple[int, int, int]], number: Int
         room_a[real],
         room_b[real],
     )
-
-
-def contacts(labels: Ints) -> tuple[Floats, Ints]:
-    """Where cells of two rooms touch: middles (k, 2) as row, col, and the two rooms (k, 2), the lower first."""
-    places, pairs = [], []
-    for step in ((0, 1), (1, 0)):
-        one = labels[: labels.shape[0] - step[0], : labels.shape[1] - step[1]]
-        other = labels[step[0] :, step[1] :]
-        row, col = np.nonzero((one != other) & (one > 0) & (other > 0))
-        places.append(np.stack([row, col], axis=1) + np.array(step) / 2)
-        pairs.append(np.sort(np.stack([one[row, col], other[row, col]], axis=1), axis=1))
-    return np.concatenate(places), np.concatenate(pairs)
 
 
 def matched_to_contacts(labels: Ints, doors: Doors, simplified: SimplifiedGrid, frame: Frame) -> Doors:

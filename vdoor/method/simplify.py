@@ -9,6 +9,7 @@ from typing import Annotated, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
+from skimage.measure import block_reduce
 from skimage.measure import label as label_cells
 
 from vdoor.config import Within
@@ -200,19 +201,11 @@ def resampled(grid: OccupancyGrid, factor: int) -> NDArray[np.int8]:
     """
     occupied, free = grid.occupied, grid.free
     if factor > 1:
-        occupied, free = (any_in_block(mask, factor) for mask in (occupied, free))
+        occupied, free = (block_reduce(mask, factor, np.any) for mask in (occupied, free))
     cells = np.full(occupied.shape, UNKNOWN, np.int8)
     cells[free] = FREE
     cells[occupied] = OCCUPIED
     return cells
-
-
-def any_in_block(mask: Mask, factor: int) -> Mask:
-    """Whether any cell of each `factor` x `factor` block is set; blocks beyond the edge are filled with False."""
-    height, width = mask.shape
-    padded = np.pad(mask, ((0, -height % factor), (0, -width % factor)))
-    blocks = padded.reshape(padded.shape[0] // factor, factor, padded.shape[1] // factor, factor)
-    return np.asarray(blocks.any(axis=(1, 3)))
 
 
 def wide_enough(labels: NDArray[np.int32], asked: Mask, width: float) -> Mask:

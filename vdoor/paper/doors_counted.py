@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vdoor.baselines import ErodedSpacePipeline, VoronoiDoorsPipeline
-from vdoor.evaluate.door_matching import nearest_pairs
+from vdoor.evaluate.door_places import nearest_pairs
 from vdoor.paper.walk import paper
 from vdoor.synth import SyntheticMap
 from vdoor.topology import TopologicalMap

@@ -62,15 +62,15 @@ def decode(record: type[R], messages: Mapping[str, bytes | memoryview]) -> R:
     """
     known = parts(record)
     if messages.keys() != known.keys():
-        msg = f"{record.__name__}: wanted the parts {', '.join(known)}, found {', '.join(messages) or 'none'}"
-        raise RecordingError(msg)
+        raise RecordingError(
+            f"{record.__name__}: wanted the parts {', '.join(known)}, found {', '.join(messages) or 'none'}"
+        )
     fields: dict[str, Any] = {}
     for name, part in known.items():
         try:
             message = ros.unpack(messages[name], part.message)
         except RecordingError as error:
-            msg = f"{record.__name__}.{name}: {error}"
-            raise RecordingError(msg) from error
+            raise RecordingError(f"{record.__name__}.{name}: {error}") from error
         fields |= part.decode(message)
     _check_frame(record, fields)
     return record(**fields)
@@ -111,5 +111,6 @@ def _check_frame(record: type[Record], fields: Mapping[str, Any]) -> None:
         wanted = (fields["frame"].height, fields["frame"].width)
         if fields[name].shape != wanted:
             found = " x ".join(map(str, fields[name].shape))
-            msg = f"{record.__name__}.{name}: wanted the frame's {wanted[0]} x {wanted[1]} cells, found {found}"
-            raise RecordingError(msg)
+            raise RecordingError(
+                f"{record.__name__}.{name}: wanted the frame's {wanted[0]} x {wanted[1]} cells, found {found}"
+            )

@@ -101,26 +101,24 @@ class Table:
         wanted = (1, self.layout.itemsize, message.width * self.layout.itemsize, message.data.size)
         if (message.height, message.point_step, message.row_step, message.row_step) != wanted or message.is_bigendian:
             found = f"{message.height} x {message.width} of {message.point_step} bytes in {message.data.size}"
-            msg = (
+            raise RecordingError(
                 f"{self.place}: wanted one row of points of {self.layout.itemsize} bytes, little endian, found {found}"
             )
-            raise RecordingError(msg)
         rows = message.data.view(self.layout)
         return {name: self._column(name, rows[name]) for name in self.columns}
 
     def _check_fields(self, found: dict[str, tuple[int, int]]) -> None:
         for name, (offset, datatype) in self.fields.items():
             if name not in found:
-                msg = f"{self.place}: wanted a column {name}, found {told(found) or 'none'}"
-                raise RecordingError(msg)
+                raise RecordingError(f"{self.place}: wanted a column {name}, found {told(found) or 'none'}")
             if found[name] != (offset, datatype):
                 types = [POINT_FIELD_NAME.get(kind, f"type {kind}") for kind in (datatype, found[name][1])]
-                msg = f"{self.place}.{name}: wanted {types[0]} at byte {offset}, found {types[1]} at {found[name][0]}"
-                raise RecordingError(msg)
+                raise RecordingError(
+                    f"{self.place}.{name}: wanted {types[0]} at byte {offset}, found {types[1]} at {found[name][0]}"
+                )
         for name in found:
             if name not in self.fields:
-                msg = f"{self.place}: wanted columns {told(self.fields)}, found {name} as well"
-                raise RecordingError(msg)
+                raise RecordingError(f"{self.place}: wanted columns {told(self.fields)}, found {name} as well")
 
     def _column(self, name: str, values: NDArray[Any]) -> NDArray[Any]:
         spec, dtype = specs(self.record)[name]
@@ -163,8 +161,7 @@ class Bits:
         """Bits by their field's name; `RecordingError` where the message does not hold flags of that axis."""
         found = [(dim.label, dim.size) for dim in message.layout.dim]
         if found != [(self.axis, message.data.size)]:
-            msg = f"{self.place}: wanted {message.data.size} flags along {self.axis}, found {found}"
-            raise RecordingError(msg)
+            raise RecordingError(f"{self.place}: wanted {message.data.size} flags along {self.axis}, found {found}")
         check_range(self.place, message.data, 0, 1)
         return {self.field: message.data.astype(np.bool_)}
 
@@ -190,8 +187,7 @@ class Values:
             values |= dataclasses.asdict(frame_of(record))
         for name, value in values.items():
             if isinstance(value, int) and abs(value) > WHOLE_TO:
-                msg = f"{self.place}.{name}: wanted at most 2^53, found {value}"
-                raise RecordingError(msg)
+                raise RecordingError(f"{self.place}.{name}: wanted at most 2^53, found {value}")
         data = np.array([float(value) for value in values.values()], dtype=np.float64)
         texts = [(f"{name}={text}", 0) for name in self.texts for text in getattr(record, name)]
         return ros.make(self.message, layout=_layout([*((name, 1) for name in values), *texts]), data=data)
@@ -203,8 +199,7 @@ class Values:
         names, more = names[: len(wanted)], names[len(wanted) :]
         if names != list(wanted) or message.data.size != len(names):
             found = ", ".join([*names, *more])
-            msg = f"{self.place}: wanted {', '.join(wanted)}, found {message.data.size} values: {found}"
-            raise RecordingError(msg)
+            raise RecordingError(f"{self.place}: wanted {', '.join(wanted)}, found {message.data.size} values: {found}")
         texts = self._texts_of(more)
         values = dict(zip(names, message.data.tolist(), strict=True))
         for name in names:
@@ -215,8 +210,7 @@ class Values:
         frame = {name: values.pop(name) for name in FRAME}
         near = all(abs(value) <= FAR for value in frame.values())  # which no nan is
         if not (near and frame["resolution_m"] > 0 <= min(frame["height"], frame["width"])):
-            msg = f"{self.place}: wanted the size and pose of a raster, found {frame}"
-            raise RecordingError(msg)
+            raise RecordingError(f"{self.place}: wanted the size and pose of a raster, found {frame}")
         return values | texts | {"frame": Frame(**frame)}
 
     def _texts_of(self, labels: list[str]) -> dict[str, Any]:
@@ -225,16 +219,16 @@ class Values:
         for label in labels:
             name, _, text = label.partition("=")
             if name not in found:
-                msg = f"{self.place}: wanted texts of {', '.join(self.texts) or 'no field'}, found {label!r}"
-                raise RecordingError(msg)
+                raise RecordingError(
+                    f"{self.place}: wanted texts of {', '.join(self.texts) or 'no field'}, found {label!r}"
+                )
             found[name] += (text,)
         return found
 
 
 def _whole(place: str, value: float) -> int:
     if not (value.is_integer() and abs(value) <= WHOLE_TO):
-        msg = f"{place}: wanted a whole number, found {value}"
-        raise RecordingError(msg)
+        raise RecordingError(f"{place}: wanted a whole number, found {value}")
     return int(value)
 
 

@@ -25,7 +25,7 @@ from vdoor.grid import OccupancyGrid
 from vdoor.interrupts import held_signals
 from vdoor.record import Record
 from vdoor.recording import about, codec, ros, viewers
-from vdoor.recording.attached import Attached, attached
+from vdoor.recording.about import Attached, attached
 
 if TYPE_CHECKING:
     from mcap.records import McapRecord, Message
@@ -177,8 +177,9 @@ def _info(path: Path) -> tuple[RunInfo, list[str]]:
         if text is None:
             raise
         return about.salvaged(text, files)
-    msg = f"recording: wanted metadata named {METADATA}, {'its source files, ' if text else ''}found none"
-    raise RecordingError(msg)
+    raise RecordingError(
+        f"recording: wanted metadata named {METADATA}, {'its source files, ' if text else ''}found none"
+    )
 
 
 def _records(path: Path, known: Mapping[str, type[Record]], *, version: str) -> Iterator[tuple[int, Record]]:
@@ -192,8 +193,7 @@ def _records(path: Path, known: Mapping[str, type[Record]], *, version: str) -> 
         if (gathered and here != at) or part in gathered:
             break
         if not gathered and here[0] <= at[0]:
-            msg = f"{topic}: wanted a step after {at[0]}, found {here[0]}"
-            raise RecordingError(msg)
+            raise RecordingError(f"{topic}: wanted a step after {at[0]}, found {here[0]}")
         at = here
         gathered[part] = message.data
         if gathered.keys() == codec.parts(kind).keys():
@@ -203,8 +203,9 @@ def _records(path: Path, known: Mapping[str, type[Record]], *, version: str) -> 
             del record  # or it would stay in memory while the next one is read
     if gathered:
         missing = codec.parts(known[at[1]]).keys() - gathered.keys()
-        msg = f"step {at[0]} ({at[1]}): wanted one message a part, found none or two of {', '.join(sorted(missing))}"
-        raise RecordingError(msg)
+        raise RecordingError(
+            f"step {at[0]} ({at[1]}): wanted one message a part, found none or two of {', '.join(sorted(missing))}"
+        )
 
 
 def decoded(kind: type[Record], gathered: dict[str, bytes]) -> Record:
@@ -222,11 +223,9 @@ def find(topic: str, name: str, *, known: Mapping[str, type[Record]]) -> tuple[t
         wanted = ", ".join(
             f"{codec.PREFIX}/{t}/({'|'.join(codec.parts(known[t]))})" for t in ([kind.topic] if kind else known)
         )
-        msg = f"topic {topic}: unknown, wanted {wanted}"
-        raise RecordingError(msg)
+        raise RecordingError(f"topic {topic}: unknown, wanted {wanted}")
     if codec.parts(kind)[part].message != name:
-        msg = f"topic {topic}: wanted {codec.parts(kind)[part].message} in cdr, found {name}"
-        raise RecordingError(msg)
+        raise RecordingError(f"topic {topic}: wanted {codec.parts(kind)[part].message} in cdr, found {name}")
     return kind, part
 
 
@@ -234,8 +233,7 @@ def step_of(topic: str, log_time_ns: int) -> int:
     """Step of a message of that log time; `RecordingError` naming its topic where there is none."""
     step, rest_ns = divmod(log_time_ns - EPOCH_NS, STEP_NS)
     if step < 0 or rest_ns:
-        msg = f"topic {topic}: wanted the log time of a step, found {log_time_ns} ns"
-        raise RecordingError(msg)
+        raise RecordingError(f"topic {topic}: wanted the log time of a step, found {log_time_ns} ns")
     return step
 
 
@@ -281,14 +279,14 @@ def unpacked(record: McapRecord) -> list[McapRecord]:
     if not isinstance(record, Chunk):
         return [record]
     if record.compression not in {"zstd", ""}:
-        msg = f"recording: wanted chunks packed with zstd or not at all, found {record.compression!r}"
-        raise RecordingError(msg)
+        raise RecordingError(f"recording: wanted chunks packed with zstd or not at all, found {record.compression!r}")
     claims = {record.uncompressed_size}
     if record.compression:
         claims.add(zstandard.frame_content_size(record.data))
     if len(claims - {SIZE_UNKNOWN}) > 1 or max(claims) > CHUNK_TO:
-        msg = f"recording: wanted a chunk of at most {CHUNK_TO} bytes, found one that claims {max(claims)}"
-        raise RecordingError(msg)
+        raise RecordingError(
+            f"recording: wanted a chunk of at most {CHUNK_TO} bytes, found one that claims {max(claims)}"
+        )
     return breakup_chunk(record, validate_crc=True)
 
 
@@ -305,8 +303,7 @@ def scan(path: Path) -> Iterator[tuple[int, int, McapRecord]]:
             yield begin, stream.tell(), record
             begin = stream.tell()
         if stream.read(1):
-            msg = f"recording: wanted nothing after byte {begin + MAGIC_SIZE}, found more"
-            raise RecordingError(msg)
+            raise RecordingError(f"recording: wanted nothing after byte {begin + MAGIC_SIZE}, found more")
 
 
 def parse(data: bytes) -> McapRecord | None:
@@ -331,8 +328,9 @@ def naming_version(version: str) -> Iterator[None]:
     try:
         yield
     except RecordingError as error:
-        msg = f"{error} (written by vdoor {version}); read it with that version, or record it again"
-        raise RecordingError(msg) from error
+        raise RecordingError(
+            f"{error} (written by vdoor {version}); read it with that version, or record it again"
+        ) from error
 
 
 @contextlib.contextmanager
@@ -345,28 +343,22 @@ def naming(path: Path) -> Iterator[None]:
         _refuse_pipe(path)
         yield
     except RecordingError as error:
-        msg = f"{printable(str(error))}: {path}"
-        raise RecordingError(msg) from error
+        raise RecordingError(f"{printable(str(error))}: {path}") from error
     except OSError as error:
-        msg = f"recording: cannot be read ({error.strerror}): {path}"
-        raise RecordingError(msg) from error
+        raise RecordingError(f"recording: cannot be read ({error.strerror}): {path}") from error
     except (EndOfFile, struct.error) as error:
-        msg = f"recording: wanted the end of an MCAP file, found it cut short: {path}"
-        raise RecordingError(msg) from error
+        raise RecordingError(f"recording: wanted the end of an MCAP file, found it cut short: {path}") from error
     except InvalidMagic as error:
-        msg = f"recording: wanted an MCAP file, found none: {path}"
-        raise RecordingError(msg) from error
+        raise RecordingError(f"recording: wanted an MCAP file, found none: {path}") from error
     except (McapError, zstandard.ZstdError, ValueError, OverflowError, MemoryError) as error:
-        msg = f"recording: damaged ({printable(str(error))}): {path}"
-        raise RecordingError(msg) from error
+        raise RecordingError(f"recording: damaged ({printable(str(error))}): {path}") from error
 
 
 def _refuse_pipe(path: Path) -> None:
     """RecordingError for what is neither file nor folder: to open it may wait for ever."""
     mode = path.stat().st_mode
     if not (stat.S_ISREG(mode) or stat.S_ISDIR(mode)):
-        msg = "recording: wanted a file, found a device or pipe"
-        raise RecordingError(msg)
+        raise RecordingError("recording: wanted a file, found a device or pipe")
 
 
 @contextlib.contextmanager
@@ -375,5 +367,4 @@ def _naming_unwritable(path: Path) -> Iterator[None]:
     try:
         yield
     except OSError as error:
-        msg = f"recording: cannot be written ({error.strerror}): {path}"
-        raise RecordingError(msg) from error
+        raise RecordingError(f"recording: cannot be written ({error.strerror}): {path}") from error

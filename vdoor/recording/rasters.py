@@ -82,13 +82,13 @@ class Picture:
         """Raster by its field's name; `RecordingError` where the message does not hold one."""
         if message.encoding not in self.encodings or message.is_bigendian:
             end = "big" if message.is_bigendian else "little"
-            msg = f"{self.place}: wanted {' or '.join(self.encodings)} little endian, found {message.encoding!r} {end}"
-            raise RecordingError(msg)
+            raise RecordingError(
+                f"{self.place}: wanted {' or '.join(self.encodings)} little endian, found {message.encoding!r} {end}"
+            )
         name, low, high = self.encodings[message.encoding]
         step = message.width * np.dtype(name).itemsize
         if message.step != step:
-            msg = f"{self.place}: wanted {step} bytes a row, found {message.step}"
-            raise RecordingError(msg)
+            raise RecordingError(f"{self.place}: wanted {step} bytes a row, found {message.step}")
         data = _shaped(self.place, message.data, message.height, step)
         pixels = data.reshape(-1).view(name).reshape(message.height, message.width)
         check_range(self.place, pixels, low, high)
@@ -108,18 +108,15 @@ def check_range(place: str, values: NDArray[Any], low: int, high: int) -> None:
         return
     info = np.iinfo(values.dtype)
     if low > info.min and values.min() < low:
-        msg = f"{place}: wanted values from {low}, found {values.min()}"
-        raise RecordingError(msg)
+        raise RecordingError(f"{place}: wanted values from {low}, found {values.min()}")
     if high < info.max and values.max() > high:
-        msg = f"{place}: wanted values to {high}, found {values.max()}"
-        raise RecordingError(msg)
+        raise RecordingError(f"{place}: wanted values to {high}, found {values.max()}")
 
 
 def _shaped(place: str, data: NDArray[Any], height: int, width: int) -> NDArray[Any]:
     """View `data` as (height, width), which may be a lie."""
     if height * width != data.size:
-        msg = f"{place}: wanted {height} x {width} = {height * width} elements, found {data.size}"
-        raise RecordingError(msg)
+        raise RecordingError(f"{place}: wanted {height} x {width} = {height * width} elements, found {data.size}")
     return data.reshape(height, width)
 
 

@@ -12,7 +12,7 @@ from vdoor.errors import RecordingError
 from vdoor.files import partial_name
 from vdoor.record import Record
 from vdoor.recording import about, codec
-from vdoor.recording.attached import Attached
+from vdoor.recording.about import Attached
 from vdoor.recording.check import Emits, lost, wanted
 from vdoor.recording.mcap import METADATA, McapSink, Topics, decoded, find, naming, step_of
 from vdoor.recording.salvage import salvage

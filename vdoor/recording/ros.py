@@ -43,8 +43,7 @@ def unpack(data: bytes | memoryview, name: str) -> Any:
     try:
         return store().deserialize_cdr(data, name)
     except (SerdeError, struct.error, ValueError, IndexError, OverflowError) as error:
-        msg = f"wanted a {name} message, found bytes that are none ({error})"
-        raise RecordingError(msg) from error
+        raise RecordingError(f"wanted a {name} message, found bytes that are none ({error})") from error
 
 
 def definition(name: str) -> bytes:

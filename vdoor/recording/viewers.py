@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from vdoor.errors import RecordingError
 from vdoor.grid import FREE_TO
-from vdoor.record import RASTERS, SCALARS, Record, specs, tables
+from vdoor.record import Record, sizes
 from vdoor.recording import ros
 
 MARKERS, PICTURE, LOG = "/vdoor/markers", "/vdoor/map/picture", "/rosout"
@@ -44,21 +44,8 @@ def for_viewers(
         yield PICTURE, "sensor_msgs/msg/CompressedImage", ros.pack(_picture(record, time_ns, cells=cells))
 
 
-def summary(record: Record) -> str:
-    """One line about a record: its name, the sizes of its rasters and tables, and its numbers."""
-    kind = type(record)
-    found = [
-        f"{name} {' x '.join(map(str, getattr(record, name).shape))}"
-        for name, (spec, _) in specs(kind).items()
-        if spec.kind in RASTERS
-    ]
-    found += [f"{table} {len(getattr(record, columns[0]))}" for table, columns in tables(kind).items()]
-    found += [f"{name} {getattr(record, name):.6g}" for name, (spec, _) in specs(kind).items() if spec.kind in SCALARS]
-    return f"{kind.__name__}: {', '.join(found)}"
-
-
 def _log(record: Record, time_ns: int) -> Any:
-    texts = {"name": "vdoor", "msg": summary(record), "file": "", "function": ""}
+    texts = {"name": "vdoor", "msg": f"{type(record).__name__}: {sizes(record)}", "file": "", "function": ""}
     return ros.make("rcl_interfaces/msg/Log", stamp=ros.stamp(time_ns), level=INFO, line=0, **texts)
 
 

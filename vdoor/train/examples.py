@@ -1,4 +1,4 @@
-"""Virtual doors of maps whose real doors are known: what the curves are fitted to."""
+"""Virtual doors of maps whose real doors are known, synthetic or labelled: what the curves are fitted to."""
 
 from __future__ import annotations
 
@@ -121,12 +121,8 @@ def drawn_kind(number: int, index: int) -> Home | Office:
 
 
 def examples(training_map: TrainingMap, pipeline: Pipeline, first_pass: Curves | None = None) -> Examples:
-    """The proposed doors of a map as examples: of a first look, or, where that is learnt, of a second one."""
-    simplified = pipeline.simplify(training_map.grid)
-    path = pipeline.trace(simplified)
-    curvature = pipeline.curvature(path)
-    corners = pipeline.corners(path, curvature, pipeline.candidates(path, curvature))
-    doors = pipeline.doors(simplified, path, corners)
+    """The proposed doors of a map as examples: of pass 1, or, where that is learnt, of pass 2."""
+    simplified, path, corners, doors = pipeline.propose(training_map.grid)
     rows = np.flatnonzero(doors.verdict == PROPOSED)
     segments = Segments(doors, rows)
     ends_m = [doors.frame.world_from_cell(ends) for ends in (segments.start, segments.end)]

@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from vdoor.experiments.sweep import Point, by_setting
-from vdoor.viz.matplot import drawing, to_png
 from vdoor.viz.panels import (
     NOTE,
     PANELS,
@@ -25,6 +24,16 @@ from vdoor.viz.rerun.style import Colour
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import SubFigure
+import importlib.util
+import io
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
+
+from vdoor.errors import VdoorError
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 PANEL_IN = (3.5, 2.4)
 """Width and height of a panel in inches."""
@@ -36,6 +45,19 @@ FAILED_ABOVE = 0.06
 TICKS = 6
 MOST_WORDS = 4
 """More words below an axis are turned."""
+
+
+DOTS_PER_INCH = 100
+LOOK: dict[str, Any] = {
+    "font.family": "DejaVu Sans",  # comes with matplotlib, so that the machine's fonts do not matter
+    "font.size": 9,
+    "axes.titlesize": 9,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.linewidth": 0.6,
+    "legend.fontsize": 8,
+    "legend.frameon": False,
+}
 
 
 def sweep_png(points: Sequence[Point]) -> bytes:
@@ -122,3 +144,37 @@ def shade(colour: Colour) -> tuple[float, float, float]:
     """The colour as matplotlib has it."""
     red, green, blue = colour
     return red / 255, green / 255, blue / 255
+
+
+def require_matplotlib() -> None:
+    """VdoorError that says how to install it, where it is missing."""
+    if importlib.util.find_spec("matplotlib") is None:
+        raise VdoorError(
+            "pictures: wanted matplotlib, found none; in a checkout, `pip install -e '.[plots]'` installs it"
+        )
+
+
+@contextmanager
+def drawing(width_in: float, height_in: float) -> Iterator[Figure]:
+    """An empty picture; within the block all has the same look, whatever the user's own settings of matplotlib are."""
+    require_matplotlib()
+    from matplotlib import style  # noqa: PLC0415
+    from matplotlib.backends.backend_agg import FigureCanvasAgg  # noqa: PLC0415
+    from matplotlib.figure import Figure  # noqa: PLC0415
+
+    with style.context(["default", LOOK]):
+        figure = Figure(figsize=(width_in, height_in), dpi=DOTS_PER_INCH, layout="constrained")
+        FigureCanvasAgg(figure)
+        yield figure
+
+
+def to_png(figure: Figure) -> bytes:
+    """The picture as a PNG of 256 colours that says nothing of program or date."""
+    from PIL import Image  # noqa: PLC0415
+
+    buffer = io.BytesIO()
+    figure.savefig(buffer, format="png", metadata={"Software": None})
+    image = Image.open(buffer).convert("RGB").quantize(256, dither=Image.Dither.NONE)
+    small = io.BytesIO()
+    image.save(small, format="png", optimize=True)
+    return small.getvalue()

@@ -15,12 +15,11 @@ from typing import Any
 import numpy as np
 
 from vdoor.errors import VdoorError, printable
-from vdoor.export.checks import refuse_not_finite
-from vdoor.export.geometry import line_m
+from vdoor.export.geometry import line_m, refuse_not_finite
 from vdoor.export.report.layers import layers
 from vdoor.export.report.sheet import Sheet, colour_text, polygon, polyline
-from vdoor.history.convergence import ConvergenceHistory
 from vdoor.history.provenance import Provenance, value_text
+from vdoor.history.records import ConvergenceHistory
 from vdoor.pipeline import Pipeline
 from vdoor.record import SCALARS, specs
 from vdoor.topology import TopologicalMap

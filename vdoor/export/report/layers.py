@@ -6,9 +6,9 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vdoor.errors import RecordingError
+from vdoor.explain.stages import view_of
 from vdoor.export.report.sheet import Layer, Sheet, colour_text, polygon, polyline, room_codes
 from vdoor.frame import Frame
 from vdoor.grid import FREE_TO, OCCUPIED_FROM, OccupancyGrid
@@ -18,8 +18,9 @@ from vdoor.method.corners import Candidates, Corners
 from vdoor.method.curvature import Curvature
 from vdoor.method.doors import PROPOSED, VERDICTS, VirtualDoors
 from vdoor.method.initial_map import InitialMap
+from vdoor.method.search.generation import Generation
 from vdoor.method.simplify import REASONS, SimplifiedGrid
-from vdoor.record import RASTERS, Record, specs, tables
+from vdoor.record import RASTERS, Record, specs, tables, texts_of
 from vdoor.topology import KINDS
 from vdoor.viz.rerun import style
 from vdoor.viz.rerun.restrictions import restrictions
@@ -60,7 +61,7 @@ def layers(sheet: Sheet, provenance: Provenance | None) -> Iterator[Layer]:
 
 def draw_input(sheet: Sheet, grid: OccupancyGrid) -> Drawn:
     """The map as read, and where the robot must not go."""
-    yield _cells(sheet, grid, Layer("input", "Map as read", on=True))
+    yield _cells(sheet, grid, Layer("input", view_of(OccupancyGrid).name, on=True))
     layer = Layer("restrictions", "Restrictions in the map's file", on=True)
     for word, colour, lines in restrictions(grid):
         paths = [polyline(sheet.world_points(np.array(line))) for line in lines]
@@ -71,7 +72,9 @@ def draw_input(sheet: Sheet, grid: OccupancyGrid) -> Drawn:
 
 def draw_simplified(sheet: Sheet, grid: SimplifiedGrid) -> Drawn:
     """The working grid, and what was changed in it as a layer of its own."""
-    yield _cells(sheet, grid, Layer("simplified", f"Simplified grid, cells of {grid.frame.resolution_m:g} m"))
+    yield _cells(
+        sheet, grid, Layer("simplified", f"{view_of(SimplifiedGrid).name}, cells of {grid.frame.resolution_m:g} m")
+    )
     changed = Layer("changed", "What simplifying changed")
     colours: dict[int, Sequence[int]] = {
         code: REASON_COLOURS.get(word, OTHER) for code, word in enumerate(REASONS) if code
@@ -86,7 +89,7 @@ def draw_simplified(sheet: Sheet, grid: SimplifiedGrid) -> Drawn:
 
 def draw_path(sheet: Sheet, path: BoundaryPath) -> Drawn:
     """The boundary, ring by ring."""
-    layer = Layer("path", "Boundary path")
+    layer = Layer("path", view_of(BoundaryPath).name)
     points = sheet.points((path.half - 1) / 2, path.frame)
     rings = np.split(points, path.first[1:])
     for outer, word, colour in ((True, "around free space", style.BOUNDARY), (False, "around islands", style.NOTCH)):
@@ -97,7 +100,7 @@ def draw_path(sheet: Sheet, path: BoundaryPath) -> Drawn:
 
 def draw_curvature(sheet: Sheet, curvature: Curvature) -> Drawn:
     """Samples by how sharply the wall bends there."""
-    layer = Layer("curvature", "Curvature: angle along the boundary")
+    layer = Layer("curvature", view_of(Curvature).name)
     points, angle_deg = sheet.points(curvature.cell, curvature.frame), np.degrees(curvature.angle_rad)
     limits = zip(ANGLES_DEG[:-1], ANGLES_DEG[1:], ANGLE_COLOURS, strict=True)
     for lower, upper, colour in reversed(list(limits)):
@@ -109,7 +112,7 @@ def draw_curvature(sheet: Sheet, curvature: Curvature) -> Drawn:
 def draw_bends(sheet: Sheet, bends: Candidates | Corners) -> Drawn:
     """Candidates or corner features by their kind."""
     is_corners = isinstance(bends, Corners)
-    layer = Layer(bends.topic, "Corner features" if is_corners else "Candidates for corners")
+    layer = Layer(bends.topic, view_of(type(bends)).name)
     cells = bends.quarter / 4 - 0.5 if isinstance(bends, Corners) else bends.cell
     points, angle_deg = sheet.points(cells, bends.frame), np.degrees(bends.angle_rad)
     for convex, word, colour in ((True, "convex", style.CONVEX), (False, "concave", style.CONCAVE)):
@@ -123,7 +126,7 @@ def draw_bends(sheet: Sheet, bends: Candidates | Corners) -> Drawn:
 
 def draw_doors(sheet: Sheet, doors: VirtualDoors) -> Drawn:
     """Proposed doors, and rejected ones with their reason in a layer of their own."""
-    proposed, rejected = Layer("doors", "Virtual doors"), Layer("rejected", "Rejected doors")
+    proposed, rejected = Layer("doors", view_of(VirtualDoors).name), Layer("rejected", "Rejected doors")
     paths = sheet.segments(doors.start, doors.end, doors.frame)
     for code, verdict in enumerate(VERDICTS):
         own = np.flatnonzero(doors.verdict == code).tolist()
@@ -138,7 +141,7 @@ def draw_doors(sheet: Sheet, doors: VirtualDoors) -> Drawn:
 
 def draw_initial(sheet: Sheet, initial: InitialMap) -> Drawn:
     """Regions between all virtual doors."""
-    layer = Layer(initial.topic, f"Initial map: {len(initial.area_m2)} regions")
+    layer = Layer(initial.topic, f"{view_of(InitialMap).name}: {len(initial.area_m2)} regions")
     codes, colours = room_codes(initial.piece)
     layer.picture = sheet.picture(codes, colours, initial.frame)
     yield layer
@@ -149,7 +152,7 @@ def draw_search(sheet: Sheet, initial: InitialMap, provenance: Provenance) -> La
     if provenance.run.search.edges != len(initial.door):
         found = f"generation.removed: wanted a choice for each of {len(initial.door)} doors"
         raise RecordingError(f"{found}, found {provenance.run.search.edges}")
-    layer = Layer("search", "Search: doors kept and removed")
+    layer = Layer("search", view_of(Generation).name)
     kept = ~provenance.run.search[-1].removed
     tips = [
         f"edge {edge} of the search, virtual door {door}: {initial.width_m[edge]:.2f} m"
@@ -168,32 +171,30 @@ def draw_any(sheet: Sheet, record: Record) -> Drawn:
     frame = getattr(record, "frame", None)
     if not isinstance(frame, Frame):
         return
-    title = record.topic.replace("_", " ")
+    title = view_of(type(record)).name
     for name, (spec, _) in specs(type(record)).items():
         if spec.kind in RASTERS:
             codes, colours = room_codes(np.asarray(getattr(record, name), np.int32))
             picture = sheet.picture(codes, colours, frame)
-            yield Layer(f"{record.topic}-{name}", f"{title}: {name}".capitalize(), picture=picture)
+            yield Layer(f"{record.topic}-{name}", f"{title}: {name}", picture=picture)
     for table, columns in tables(type(record)).items():
         places = [name for name in columns if specs(type(record))[name][0].kind == "cell"]
         if places and len(getattr(record, places[0])):
-            layer = Layer(f"{record.topic}-{table}", f"{title}: {table}".capitalize())
+            layer = Layer(f"{record.topic}-{table}", f"{title}: {table}")
             points = sheet.points(getattr(record, places[0]), frame)
             layer.add_dots(points, colour_text(OTHER), f"{table} ({len(points)})", tips=_rows(record, table), wide_px=7)
             yield layer
 
 
 def _rows(record: Record, table: str) -> list[str]:
-    """What each row of a table says in its columns of one value each."""
-    told: list[list[str]] = []
-    for name in tables(type(record))[table]:
-        values: NDArray[Any] = getattr(record, name)
-        spec = specs(type(record))[name][0]
-        if values.ndim == 1:
-            words = np.array(spec.words)[values] if spec.words else values
-            texts = (f"{value:.4g}" if isinstance(value, float) else str(value) for value in words.tolist())
-            told.append([f"{name} {text} {spec.unit}".rstrip() for text in texts])
-    return [f"{table} {row}: {', '.join(texts)}" for row, texts in enumerate(zip(*told, strict=True))]
+    """What each row of a table holds in its columns of one value each."""
+    columns = [name for name in tables(type(record))[table] if getattr(record, name).ndim == 1]
+    units = [specs(type(record))[name][0].unit for name in columns]
+    texts = [
+        [f"{name} {text} {unit}".rstrip() for text in texts_of(record, name)]
+        for name, unit in zip(columns, units, strict=True)
+    ]
+    return [f"{table} {row}: {', '.join(values)}" for row, values in enumerate(zip(*texts, strict=True))]
 
 
 def _cells(sheet: Sheet, grid: OccupancyGrid | SimplifiedGrid, layer: Layer) -> Layer:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from vdoor.grid import OccupancyGrid
 from vdoor.paper.pictures_.plan import Plan, key, window_of
-from vdoor.viz.matplot import drawing, to_png
+from vdoor.viz.charts import drawing, to_png
 from vdoor.viz.rerun import style
 
 Lines = NDArray[np.float64]

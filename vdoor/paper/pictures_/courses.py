@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from vdoor.viz.matplot import drawing, to_png
+from vdoor.viz.charts import drawing, to_png
 from vdoor.viz.rerun import style
 
 PRINTED = 9

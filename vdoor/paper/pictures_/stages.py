@@ -16,7 +16,7 @@ from vdoor.method.simplify import REASONS, SimplifiedGrid
 from vdoor.paper.pictures_.plan import OCCUPIED, Plan, key, window_of
 from vdoor.record import Record
 from vdoor.topology import TopologicalMap
-from vdoor.viz.matplot import drawing, to_png
+from vdoor.viz.charts import drawing, to_png
 from vdoor.viz.rerun import style
 
 R = TypeVar("R", bound=Record)

@@ -2,10 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+import functools
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 import rerun.blueprint as rrb
+
+from vdoor.emit import RunInfo
+from vdoor.explain.stages import STAGE_VIEWS, StageView, view_of
+from vdoor.pipeline import RECORDS, emitted
+from vdoor.record import Record
 
 DESCRIPTION = """# vdoor: from a map to rooms and doors
 
@@ -25,35 +31,30 @@ Lengths in the views are cells; hover over an element for its numbers.
 """
 
 WORKING = "map/simplified"
-MEANING = {
-    "Overview": "",
-    "Simplified": "the working grid; coloured cells were removed: unreachable, jut, notch, island",
-    "Path": "boundary (yellow), walker and heading",
-    "Curvature": "angle between f and b; below the threshold a sample is a candidate",
-    "Corners": "candidates (small) and corner features (large); blue convex, green concave",
-    "Narrow places": "skeleton of the free space; where it is narrow (blue), and where not",
-    "Cores": "what is left of the free space far from walls, and the rooms that grow back from it",
-    "Doors": "proposed doors (blue), rejected ones in a layer for each reason",
-    "Scores": "likely doors from doubtful (orange) to sure (green), unlikely and outdone ones; lines join conflicts",
-    "Initial map": "regions, rooms (yellow) and doors (red) as a graph",
-    "Search": "cost, its three terms, kept doors",
-    "Rooms": "the result",
-}
-"""What is seen in each tab there can be, in their order."""
-TABS = ("Overview", "Simplified", "Path", "Curvature", "Corners", "Doors", "Initial map", "Search", "Rooms")
-"""Those of a run as in the paper."""
+OVERVIEW = "Overview"
 
 Settings = Mapping[str, Any]
 """Of a run, as nested tables."""
 
 
-def tabs_of(settings: Settings) -> tuple[str, ...]:
-    """The tabs in which a run with these settings has something to show."""
-    if "narrows" in settings:
-        return ("Overview", "Simplified", "Narrow places", "Doors", "Initial map", "Rooms")
-    if "erode" in settings:
-        return ("Overview", "Simplified", "Cores", "Rooms")
-    return tuple(tab for tab in MEANING if tab in TABS or (tab == "Scores" and does(settings, "score")))
+def tabs_of(records: Iterable[type[Record]], settings: Settings) -> tuple[str, ...]:
+    """The tabs in which a run that emits these records with these settings has something to show."""
+    shown = [
+        view for view in map(view_of, in_order(records)) if not (view.needs and settings) or view.needs in settings
+    ]
+    return tuple(dict.fromkeys([OVERVIEW, *(view.tab for view in shown)]))
+
+
+def every_tab() -> tuple[str, ...]:
+    """All tabs that runs can have."""
+    return tuple(dict.fromkeys([OVERVIEW, *(view.tab for view in map(view_of, in_order(RECORDS)))]))
+
+
+def in_order(records: Iterable[type[Record]]) -> list[type[Record]]:
+    """The records in the order of the rows of `STAGE_VIEWS`, those without a row last."""
+    there = list(records)
+    own = [view.record for view in STAGE_VIEWS if view.record in there]
+    return [*own, *(record for record in there if record not in own)]
 
 
 def does(settings: Settings, stage: str) -> bool:
@@ -61,24 +62,26 @@ def does(settings: Settings, stage: str) -> bool:
     return bool(settings.get(stage, {}).get("method", "none") != "none")
 
 
-def description(settings: Settings) -> str:
+def description(info: RunInfo) -> str:
     """What the tabs of a run show, as Markdown."""
-    return DESCRIPTION.format(
-        tabs="\n".join(f"| {tab} | {MEANING[tab]} |" for tab in tabs_of(settings) if MEANING[tab])
-    )
+    meaning = {view.tab: view.meaning for view in map(view_of, emitted(info)) if view.meaning}
+    tabs = tabs_of(emitted(info), info.settings)
+    return DESCRIPTION.format(tabs="\n".join(f"| {tab} | {meaning[tab]} |" for tab in tabs if tab in meaning))
 
 
-def blueprint(settings: Settings | None = None, *, active_tab: str = TABS[0]) -> rrb.Blueprint:
-    """The default blueprint for a run with these settings, opened at one of its tabs."""
-    settings = settings or {}
-    names = tabs_of(settings)
+def blueprint(info: RunInfo) -> rrb.Blueprint:
+    """The default blueprint for a run."""
+    names = tabs_of(emitted(info), info.settings)
     made = VIEWS | {
-        "Overview": lambda: overview(settings),
-        "Search": lambda: search(settings),
+        OVERVIEW: lambda: overview(names, info.settings),
+        "Search": lambda: search(info.settings),
+    }
+    plain = {
+        view.tab: functools.partial(plain_stage, view) for view in map(view_of, emitted(info)) if view.tab not in made
     }
     panel = rrb.TimePanel(state="collapsed", timeline="step", play_state="following")  # at the end, where all is drawn
     return rrb.Blueprint(
-        rrb.Tabs(*(made[name]() for name in names), active_tab=names.index(active_tab)),
+        rrb.Tabs(*((made | plain)[name]() for name in names), active_tab=0),
         rrb.BlueprintPanel(state="collapsed"),
         rrb.SelectionPanel(state="collapsed"),
         panel,
@@ -87,14 +90,22 @@ def blueprint(settings: Settings | None = None, *, active_tab: str = TABS[0]) ->
     )
 
 
+def plain_stage(view: StageView) -> rrb.Container:
+    """A stage that has no tab made for it: its rasters and its table."""
+    topic = view.record.topic
+    seen = flat(view.name, WORKING, f"other/{topic}/**", origin="/")
+    rows = rrb.archetypes.DataframeQuery(timeline="row")
+    table = rrb.DataframeView(origin=f"tables/{topic}", name="Rows", query=rows)
+    return rrb.Horizontal(seen, table, column_shares=[3, 2], name=view.tab)
+
+
 def flat(name: str, *contents: str, origin: str = "map") -> rrb.Spatial2DView:
     """A view of some entities of one frame."""
     return rrb.Spatial2DView(name=name, origin=origin, contents=[f"+ /{path}" for path in contents])
 
 
-def overview(settings: Settings) -> rrb.Container:
+def overview(tabs: tuple[str, ...], settings: Settings) -> rrb.Container:
     """The result beside the plots that led to it."""
-    tabs = tabs_of(settings)
     plots = [*([curve()] if "Curvature" in tabs else []), *([cost(settings)] if "Search" in tabs else [])]
     notes = rrb.Tabs(
         rrb.TextDocumentView(origin="description", name="Read me"), rrb.TextLogView(origin="log", name="Log"), stages()

@@ -1,4 +1,4 @@
-"""The `rerun` program as a child process, bound to this machine."""
+"""The `rerun` program as a child process, bound to this machine, and the files that it can load."""
 
 from __future__ import annotations
 

@@ -61,7 +61,7 @@ class RerunSink:
         stream = new_stream(info)
         with errors_at(path):
             path.touch()
-            stream.save(path, default_blueprint=blueprint(info.settings))
+            stream.save(path, default_blueprint=blueprint(info))
             sink = cls(stream, info, path=path)
             stream.flush(timeout_sec=FLUSH_S)
             if not path.stat().st_size:
@@ -83,7 +83,7 @@ class RerunSink:
     @classmethod
     def _to(cls, host: str, port: int, info: RunInfo, *, server: subprocess.Popen[bytes] | None = None) -> RerunSink:
         stream = new_stream(info, live=True)
-        stream.connect_grpc(f"rerun+http://{host}:{port}/proxy", default_blueprint=blueprint(info.settings))
+        stream.connect_grpc(f"rerun+http://{host}:{port}/proxy", default_blueprint=blueprint(info))
         return cls(stream, info, server=server)
 
     @classmethod
@@ -157,9 +157,7 @@ def recording_id(info: RunInfo) -> str:
 def described(info: RunInfo) -> str:
     """What the views show, and what was run."""
     files = ", ".join(name for name, _ in info.source.files) or "an array"
-    return (
-        f"{description(info.settings)}\nvdoor {info.version}, preset `{info.preset}`, seed {info.seed}, map: {files}\n"
-    )
+    return f"{description(info)}\nvdoor {info.version}, preset `{info.preset}`, seed {info.seed}, map: {files}\n"
 
 
 def check_room(path: Path, record: Record) -> None:

@@ -14,6 +14,7 @@ from vdoor.method.corners import Corners
 from vdoor.method.doors import PROPOSED
 from vdoor.method.scoring.score import JUDGEMENTS, LIKELY
 from vdoor.method.simplify import REASONS
+from vdoor.record import Record, specs
 from vdoor.viz.terminal.canvas import Canvas
 from vdoor.viz.terminal.plot import Curve, Plot
 
@@ -42,7 +43,18 @@ def drawn(run: History, topic: str, generation: int = -1) -> Canvas:
     canvas = Canvas.of(run.simplified.cells)
     if topic in ("generation", "certificate"):
         return _drawn_choice(run, canvas, generation)
-    return DRAWN[topic](run, canvas)
+    return DRAWN[topic](run, canvas) if topic in DRAWN else _drawn_any(run.records[topic], canvas)
+
+
+def _drawn_any(record: Record, canvas: Canvas) -> Canvas:
+    """A stage without a drawing of its own: its label rasters as tints, the rows that lie in cells as dots."""
+    for name, (spec, _) in specs(type(record)).items():
+        values = np.asarray(getattr(record, name))
+        if spec.kind == "labels":
+            canvas.tint(values, values > 0)
+        elif spec.kind == "cell":
+            canvas.paint("path", values)
+    return canvas
 
 
 def _drawn_simplified(run: History, canvas: Canvas) -> Canvas:

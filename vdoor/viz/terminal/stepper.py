@@ -15,13 +15,14 @@ from rich.padding import Padding
 from rich.table import Table
 from rich.text import Text
 
+from vdoor.explain.stages import view_of
 from vdoor.history import SEARCH, History
+from vdoor.history.records import RECORD_OF
 from vdoor.viz.terminal.canvas import Canvas
 from vdoor.viz.terminal.facts import facts
 from vdoor.viz.terminal.picture import Picture
 from vdoor.viz.terminal.plot import Plot
 from vdoor.viz.terminal.scene import cost_plot, curvature_plot, drawn
-from vdoor.viz.terminal.show import TITLES
 from vdoor.viz.terminal.walk import HELP, HELP_LINE, NAMES, Walk, entered, pressed
 
 LOOK_EVERY_S = 0.5
@@ -74,7 +75,7 @@ class Stepper:
         text = Text(f" {self.run.file.name}  {number} {walk.stage} ", style="reverse bold", no_wrap=True)
         if walk.element:
             text.append(f" {NAMES[walk.element]} {walk.at + (walk.element == 'final')} ")
-        return text.append(f" {TITLES[walk.stage]} ", "not bold")
+        return text.append(f" {view_of(RECORD_OF[walk.stage]).title} ", "not bold")
 
     def foot(self, walk: Walk) -> Text:
         """What is being typed, what the last key could not do, or the keys."""

@@ -17,10 +17,12 @@ from vdoor.editing.apply import VERDICTS as EDIT_VERDICTS
 from vdoor.editing.edits import FORMS
 from vdoor.editing.places import place_text
 from vdoor.explain.scores import score_fate
+from vdoor.explain.stages import view_of
 from vdoor.history import History
 from vdoor.method.doors import PROPOSED, VERDICTS, VirtualDoors
 from vdoor.method.initial_map import InitialMap
-from vdoor.method.simplify import REASONS
+from vdoor.method.simplify import REASONS, SimplifiedGrid
+from vdoor.record import tables, texts_of
 from vdoor.topology import KINDS
 from vdoor.viz.terminal.scene import cost_plot, curvature_plot
 
@@ -62,16 +64,8 @@ def point(run: History, cell: NDArray[Any]) -> str:
 def _simplified_details(run: History, _: int | None, limits: Limits) -> Iterator[RenderableType]:
     rows = table("why", "cells", "m2", "what it means")
     area_m2 = run.simplified.frame.resolution_m**2
-    meaning = {
-        "unreachable": "free or occupied, but not where the robot can be or beside it: unknown now",
-        "jut": "a short bump of a wall, free now",
-        "notch": "a short dent of a wall, occupied now",
-        "island": "an obstacle standing free, small enough to be furniture: free now",
-        "thin unknown": "unknown in a thin line with free space around it: free now",
-        "slit": "free space too narrow to go through: closed now",
-    }
     del limits
-    for word, means in meaning.items():
+    for word, means in view_of(SimplifiedGrid).words.items():
         count = int((run.simplified.reason == REASONS.index(word)).sum())
         if count:
             rows.add_row(word, str(count), f"{count * area_m2:.2f}", means)
@@ -247,6 +241,23 @@ def _map_details(run: History, _: int | None, limits: Limits) -> Iterator[Render
     yield doors
     yield from _more(len(run.topology.kind), limits)
 
+
+def plain_details(run: History, topic: str, limits: Limits) -> Iterator[RenderableType]:
+    """The tables of a record, column by column, of stages that have no details of their own."""
+    record = run.records[topic]
+    for name, columns in tables(type(record)).items():
+        if topic in PLAIN:
+            return
+        rows = table(name, *columns)
+        values = [texts_of(record, column) for column in columns]
+        for row in range(min(len(values[0]), limits.rows)):
+            rows.add_row(str(row), *(str(column[row]) for column in values))
+        yield rows
+        yield from _more(len(values[0]), limits)
+
+
+PLAIN = ("input", "path", "candidates", "skeleton", "narrows", "eroded", "grown")
+"""Stages that the map and its line tell all about."""
 
 DETAILS: dict[str, Callable[[History, int | None, Limits], Iterator[RenderableType]]] = {
     "simplified": _simplified_details,

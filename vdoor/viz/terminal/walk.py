@@ -9,24 +9,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from vdoor.explain.stages import view_of
 from vdoor.history import SEARCH, History
+from vdoor.history.records import RECORD_OF
 from vdoor.method.doors import PROPOSED
 
 Ints = NDArray[np.int64]
 
-ELEMENT = {
-    "path": "sample",
-    "curvature": "sample",
-    "candidates": "sample",
-    "corners": "sample",
-    "doors": "door",
-    "door_scores": "door",
-    "initial_map": "door",
-    SEARCH: "generation",
-    "map": "final",
-}
-"""What the walker goes along in a stage: samples of the path, virtual doors, generations, doors of the final map; in
-others there is nothing to go along."""
 NAMES = {"sample": "sample", "door": "door", "generation": "generation", "final": "door", "": ""}
 FOUND_IN = {
     "candidate": ("candidates", "sample"),
@@ -60,7 +49,7 @@ class Walk:
     @property
     def element(self) -> str:
         """What is walked along here."""
-        return ELEMENT.get(self.stage, "")
+        return view_of(RECORD_OF[self.stage]).element
 
     @property
     def at(self) -> int:
@@ -80,18 +69,7 @@ class Walk:
 
 def stops(run: History, stage: str) -> Ints:
     """Numbers that the walker stops at in a stage, sorted."""
-    found: dict[str, Callable[[], NDArray[np.integer]]] = {
-        "path": lambda: np.arange(len(run.path.cell)),
-        "curvature": lambda: np.arange(len(run.path.cell)),
-        "candidates": lambda: run.candidates.sample,
-        "corners": lambda: np.sort(run.corners.sample),
-        "doors": lambda: np.arange(len(run.doors.verdict)),
-        "door_scores": lambda: run.scores.door,
-        "initial_map": lambda: np.sort(run.initial.door),
-        SEARCH: lambda: np.arange(len(run.search)),
-        "map": lambda: np.arange(len(run.topology.kind)),
-    }
-    return found[stage]().astype(np.int64) if stage in found else np.zeros(0, np.int64)
+    return view_of(RECORD_OF[stage]).stops(run).astype(np.int64)
 
 
 def entered(run: History, walk: Walk, stage: str) -> Walk:

@@ -1,0 +1,307 @@
+"""How each stage of a run is shown: one row a stage, read by the viewer, the terminal, the report and `vdoor why`.
+
+A stage without a row is shown as well, by its record's own fields.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vdoor.baselines import CriticalLines, ErodedSpace, GrownRooms, Skeleton
+from vdoor.baselines.critical_lines import FATES
+from vdoor.editing.apply import VERDICTS as EDIT_VERDICTS
+from vdoor.editing.apply import Edits
+from vdoor.grid import OccupancyGrid
+from vdoor.history import History
+from vdoor.method.boundary import BoundaryPath
+from vdoor.method.corners import Candidates, Corners
+from vdoor.method.curvature import Curvature
+from vdoor.method.doors import VERDICTS, VirtualDoors
+from vdoor.method.initial_map import InitialMap
+from vdoor.method.scoring.score import JUDGEMENTS, DoorScores
+from vdoor.method.search.certificate import Certificate
+from vdoor.method.search.generation import Generation
+from vdoor.method.simplify import REASONS, SimplifiedGrid
+from vdoor.record import Record, sizes
+from vdoor.topology import TopologicalMap
+
+Numbers = NDArray[np.integer]
+
+
+@dataclass(frozen=True, kw_only=True)
+class StageView:
+    """One stage as people see it."""
+
+    record: type[Record]
+    name: str
+    """On the report, where a stage is a layer of the map."""
+    title: str
+    """The same with what it holds, as a heading in the terminal."""
+    summary: Callable[[History], str]
+    """What the stage found, in a line."""
+    tab: str
+    """The viewer's tab that shows it."""
+    meaning: str = ""
+    """What is seen there; empty where another stage of the tab says so."""
+    element: str = ""
+    """What a walk through the stage goes along: samples, virtual doors, generations, doors of the final map."""
+    stops: Callable[[History], Numbers] = lambda _: np.zeros(0, np.int64)
+    """Numbers of the elements it stops at, sorted."""
+    words: Mapping[str, str] = field(default_factory=dict)
+    """What its codes mean."""
+    needs: str = ""
+    """The part of the settings without which there is nothing to see."""
+
+
+def percent(share: float) -> str:
+    """A share in whole percent, never 0 or 100 where it is not."""
+    rounded = round(100 * share)
+    if rounded == 0 < share:
+        return "under 1 %"
+    return "over 99 %" if rounded == 100 > 100 * share else f"{rounded} %"  # noqa: PLR2004  # percent
+
+
+def _input_summary(run: History) -> str:
+    frame = run.input.frame
+    size = f"{frame.width * frame.resolution_m:.1f} x {frame.height * frame.resolution_m:.1f} m"
+    return f"{frame.width} x {frame.height} cells of {frame.resolution_m:g} m: {size}"
+
+
+def _simplified_summary(run: History) -> str:
+    frame, count = run.simplified.frame, np.bincount(run.simplified.reason.ravel(), minlength=len(REASONS))
+    changed = ", ".join(f"{count[code]} {word}" for code, word in enumerate(REASONS) if code and count[code])
+    return f"{frame.width} x {frame.height} cells of {frame.resolution_m:g} m; changed: {changed or 'nothing'}"
+
+
+def _path_summary(run: History) -> str:
+    path = run.path
+    where = "cracks" if path.on_cracks else "obstacle cells"
+    contours = f"{len(path.first)} contour{'s' * (len(path.first) != 1)}"
+    return f"{len(path.cell)} samples on {where}, {contours}, {path.length_m.sum():.1f} m"
+
+
+def _curvature_summary(run: History) -> str:
+    sharp = int((run.curvature.angle_rad < np.radians(run.pipeline.candidates.angle_deg)).sum())
+    return f"{sharp} samples below {run.pipeline.candidates.angle_deg:g} deg"
+
+
+def _convex_summary(convex: NDArray[np.bool_]) -> str:
+    return f"{len(convex)}: {int(convex.sum())} convex, {int((~convex).sum())} concave"
+
+
+def _doors_summary(run: History) -> str:
+    count = np.bincount(run.doors.verdict, minlength=len(VERDICTS))
+    return ", ".join(f"{count[code]} {word}" for code, word in enumerate(VERDICTS) if count[code]) or "none"
+
+
+def _scores_summary(run: History) -> str:
+    scores = run.scores
+    count = np.bincount(scores.judgement, minlength=len(JUDGEMENTS)).tolist()
+    judged = ", ".join(f"{number} {word}" for number, word in zip(count, JUDGEMENTS, strict=True))
+    sure = f"{int(scores.sure.sum())} closed in pass 2"
+    return f"{judged}; {len(scores.rival_a)} pairs in conflict; {sure}; map {percent(scores.share_rough)} rough"
+
+
+def _certificate_summary(run: History) -> str:
+    found = run.certificate
+    if found.optimal:
+        return f"proven optimal: no choice costs less than {found.cost:.4f}"
+    return f"not proven optimal: cost {found.cost:.4f}, bound {found.lower_bound:.4f}, gap {found.gap:.4f}"
+
+
+def _narrows_summary(run: History) -> str:
+    count = np.bincount(run.critical_lines.fate, minlength=len(FATES))
+    return ", ".join(f"{count[code]} {word}" for code, word in enumerate(FATES) if count[code]) or "none"
+
+
+def _initial_summary(run: History) -> str:
+    idle = f", {len(run.initial.idle_door)} idle" if len(run.initial.idle_door) else ""
+    return f"{len(run.initial.area_m2)} regions, {len(run.initial.door)} doors{idle}"
+
+
+def _search_summary(run: History) -> str:
+    first, last = run.search[0], run.search[-1]
+    kept = int((~last.removed).sum())
+    return f"cost {first.best_cost:.4f} to {last.best_cost:.4f}; {kept} doors kept, {int(last.removed.sum())} removed"
+
+
+def _edits_summary(run: History) -> str:
+    count = np.bincount(run.edits.verdict, minlength=len(EDIT_VERDICTS)).tolist()
+    return ", ".join(f"{number} {word}" for number, word in zip(count, EDIT_VERDICTS, strict=True) if number)
+
+
+def _map_summary(run: History) -> str:
+    return f"{len(run.topology.area_m2)} rooms, {len(run.topology.kind)} doors, {run.topology.area_m2.sum():.1f} m2"
+
+
+STAGE_VIEWS = (
+    StageView(
+        record=OccupancyGrid, name="Map as read", title="the map as read", summary=_input_summary, tab="Simplified"
+    ),
+    StageView(
+        record=SimplifiedGrid,
+        name="Simplified grid",
+        title="simplified grid: what was removed and why",
+        summary=_simplified_summary,
+        tab="Simplified",
+        meaning="the working grid; coloured cells were removed: unreachable, jut, notch, island",
+        words={
+            "unreachable": "free or occupied, but not where the robot can be or beside it: unknown now",
+            "jut": "a short bump of a wall, free now",
+            "notch": "a short dent of a wall, occupied now",
+            "island": "an obstacle standing free, small enough to be furniture: free now",
+            "thin unknown": "unknown in a thin line with free space around it: free now",
+            "slit": "free space too narrow to go through: closed now",
+        },
+    ),
+    StageView(
+        record=BoundaryPath,
+        name="Boundary path",
+        title="left-hand path along the boundary",
+        summary=_path_summary,
+        tab="Path",
+        meaning="boundary (yellow), walker and heading",
+        element="sample",
+        stops=lambda run: np.arange(len(run.path.cell)),
+    ),
+    StageView(
+        record=Curvature,
+        name="Curvature: angle along the boundary",
+        title="curvature along the path",
+        summary=_curvature_summary,
+        tab="Curvature",
+        meaning="angle between f and b; below the threshold a sample is a candidate",
+        element="sample",
+        stops=lambda run: np.arange(len(run.path.cell)),
+    ),
+    StageView(
+        record=Candidates,
+        name="Candidates for corners",
+        title="samples that bend more than the threshold",
+        summary=lambda run: _convex_summary(run.candidates.convex),
+        tab="Corners",
+        element="sample",
+        stops=lambda run: run.candidates.sample,
+    ),
+    StageView(
+        record=Corners,
+        name="Corner features",
+        title="corners: the sharpest candidates nearby",
+        summary=lambda run: _convex_summary(run.corners.convex),
+        tab="Corners",
+        meaning="candidates (small) and corner features (large); blue convex, green concave",
+        element="sample",
+        stops=lambda run: np.sort(run.corners.sample),
+    ),
+    StageView(
+        record=Skeleton,
+        name="Skeleton",
+        title="skeleton: the middle of the free space",
+        summary=lambda run: f"{len(run.skeleton.cell)} points",
+        tab="Narrow places",
+    ),
+    StageView(
+        record=CriticalLines,
+        name="Narrow places",
+        title="narrow places of the skeleton",
+        summary=_narrows_summary,
+        tab="Narrow places",
+        meaning="skeleton of the free space; where it is narrow (blue), and where not",
+    ),
+    StageView(
+        record=ErodedSpace,
+        name="Cores",
+        title="what is left of the free space far from walls",
+        summary=lambda run: f"{len(run.eroded.kept)} parts, {int(run.eroded.kept.sum())} of them cores of rooms",
+        tab="Cores",
+        meaning="what is left of the free space far from walls, and the rooms that grow back from it",
+    ),
+    StageView(
+        record=GrownRooms,
+        name="Rooms grown back",
+        title="rooms grown back from it",
+        summary=lambda run: f"{run.grown.room.max()} rooms",
+        tab="Cores",
+    ),
+    StageView(
+        record=VirtualDoors,
+        name="Virtual doors",
+        title="virtual doors, proposed and rejected",
+        summary=_doors_summary,
+        tab="Doors",
+        meaning="proposed doors (blue), rejected ones in a layer for each reason",
+        element="door",
+        stops=lambda run: np.arange(len(run.doors.verdict)),
+    ),
+    StageView(
+        record=DoorScores,
+        name="Scores of doors",
+        title="what speaks for and against each proposed door",
+        summary=_scores_summary,
+        tab="Scores",
+        meaning="likely doors from doubtful (orange) to sure (green), unlikely and outdone ones; lines join conflicts",
+        element="door",
+        stops=lambda run: run.scores.door,
+    ),
+    StageView(
+        record=InitialMap,
+        name="Initial map",
+        title="initial map: regions between the doors",
+        summary=_initial_summary,
+        tab="Initial map",
+        meaning="regions, rooms (yellow) and doors (red) as a graph",
+        element="door",
+        stops=lambda run: np.sort(run.initial.door),
+    ),
+    StageView(
+        record=Generation,
+        name="Search: doors kept and removed",
+        title="search: which doors to remove",
+        summary=_search_summary,
+        tab="Search",
+        meaning="cost, its three terms, kept doors",
+        element="generation",
+        stops=lambda run: np.arange(len(run.search)),
+        needs="search",
+    ),
+    StageView(
+        record=Certificate,
+        name="Certificate",
+        title="what can be proven of the search's choice",
+        summary=_certificate_summary,
+        tab="Search",
+    ),
+    StageView(
+        record=Edits,
+        name="Edits",
+        title="what people changed, and what came of it",
+        summary=_edits_summary,
+        tab="Rooms",
+    ),
+    StageView(
+        record=TopologicalMap,
+        name="Rooms and doors",
+        title="rooms and doors",
+        summary=_map_summary,
+        tab="Rooms",
+        meaning="the result",
+        element="final",
+        stops=lambda run: np.arange(len(run.topology.kind)),
+    ),
+)
+"""In the order in which they are shown."""
+
+
+def view_of(record: type[Record]) -> StageView:
+    """The row of a stage, or one made of its topic and its record's sizes."""
+    own = next((view for view in STAGE_VIEWS if view.record is record), None)
+    if own is not None:
+        return own
+    name = record.topic.replace("_", " ").capitalize()
+    return StageView(
+        record=record, name=name, title=name.lower(), summary=lambda run: sizes(run.get(record)), tab=name, meaning=name
+    )
