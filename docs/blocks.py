@@ -66,7 +66,7 @@ class Step(NamedTuple):
     """Something of a page that runs, and where it stands."""
 
     kind: str
-    """The block's language, ``inline``, or ``output`` where the page wants what the step before printed."""
+    """The block's language, ``inline``, or ``output`` where the page wants what the command before printed."""
     text: str
     start: int
     end: int
@@ -86,7 +86,7 @@ def _dedented(text: str, columns: int) -> str:
 
 
 def run(step: Step, folder: Path) -> str:
-    """Run one step in a folder; what it printed on stdout. `PageError` where it does not end as it says."""
+    """Run one step in a folder; what its last command printed. `PageError` where it does not end as it says."""
     with contextlib.chdir(folder):
         if step.kind == "python":
             with contextlib.redirect_stdout(io.StringIO()) as printed:
@@ -94,7 +94,8 @@ def run(step: Step, folder: Path) -> str:
             return printed.getvalue()
         if step.kind in ("sh", "inline"):
             lines = step.text.replace("\\\n", " ").splitlines()
-            return "".join(_run_line(line, repeated=step.kind == "inline") for line in lines)
+            printed = [_run_line(line, repeated=step.kind == "inline") for line in lines if line.strip()]
+            return printed[-1] if printed else ""
     return ""
 
 

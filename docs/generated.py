@@ -15,6 +15,7 @@ import typer
 
 import vdoor.cli
 from vdoor.config import METHOD, Within, field_docs, ranges_of
+from vdoor.explain.stages import STAGE_VIEWS
 from vdoor.pipeline import METHODS, PRESETS, RECORDS
 from vdoor.record import Record, Spec, specs
 from vdoor.recording.codec import PREFIX, parts
@@ -148,6 +149,11 @@ def _record(record: type[Record]) -> Iterator[str]:
         for name, (spec, dtype) in specs(record).items()
     ]
     yield "\n".join(["| field | holds | unit | meaning |", "|---|---|---|---|", *rows])
+    words = {word: said for view in STAGE_VIEWS if view.record is record for word, said in view.words.items()}
+    if words:
+        yield "\n".join(
+            ["| word | means |", "|---|---|", *(f"| {word} | {_cell(said)} |" for word, said in words.items())]
+        )
 
 
 def _kind(spec: Spec, dtype: Any) -> str:

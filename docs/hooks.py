@@ -5,7 +5,7 @@ In a page, these comments are filled in::
     <!-- readme -->              the README up to where it says what to read
     <!-- settings -->            and commands, records, api MODULE: see `generated.py`
     <!-- picture NAME: TITLE --> a picture of `pictures.py`
-    <!-- output -->              what the commands of the block before printed, or lines 1-9 of it: see `blocks.py`
+    <!-- output -->              what the command before printed, or lines 1-9 of it: see `blocks.py`
 
 A link that leaves docs/ brings its file into the site, so that pages can be read in the repository as well.
 """
@@ -24,6 +24,7 @@ from typing import TYPE_CHECKING, Any
 import blocks
 import generated
 import pictures
+from mkdocs.exceptions import PluginError
 from mkdocs.structure.files import File, Files
 
 if TYPE_CHECKING:
@@ -34,6 +35,7 @@ HOME = Path(__file__).parent.parent
 DOCS = "docs/"
 LINK = re.compile(r"(\]\()([^)#\s:]+)((?:#[^)\s]*)?\))")
 COMMENT = re.compile(r"<!-- (readme|settings|commands|records|api|picture)(?: (.*?))? -->")
+OUTSIDE = re.compile(r'<(?:script|link|img|iframe|source)\b[^>]*(?:src|href)="?(?:https?:)?//[^>]*>')
 READ_ON = "\n## Read on"
 GENERATED: dict[str, Callable[[], str]] = {
     "settings": generated.settings,
@@ -83,6 +85,13 @@ def on_page_markdown(markdown: str, page: Page, **_: Any) -> str:
     markdown = _with_outputs(markdown)
     markdown = COMMENT.sub(lambda found: _generated(found[1], found[2] or ""), markdown)
     return LINK.sub(lambda link: f"{link[1]}{_moved(path, source, link[2])}{link[3]}", markdown)
+
+
+def on_post_page(output: str, page: Page, **_: Any) -> str:
+    """The page as it is; an error where it loads anything from elsewhere: the site is to be read without a network."""
+    for tag in OUTSIDE.finditer(output):
+        raise PluginError(f"{page.file.src_uri}: wanted nothing from elsewhere, found {tag[0]}")
+    return output
 
 
 def _generated(kind: str, words: str) -> str:

@@ -22,7 +22,7 @@ from vdoor import export
 from vdoor.pipeline import RECORDS
 from vdoor.record import specs
 from vdoor.recording.mcap import read_recording
-from vdoor.viz.matplot import drawing, to_png
+from vdoor.viz.charts import drawing, to_png
 from vdoor.viz.rerun import style
 
 MAP = Path("recordings/furnished.yaml")

@@ -141,3 +141,9 @@ def test_picture_is_drawn_and_always_the_same(name: str) -> None:
     png = pictures.drawn(name)
     assert len(Image.open(io.BytesIO(png)).convert("RGB").getcolors(10**6) or ()) > 2
     assert pictures.drawn(name) == png
+
+
+def test_ci_builds_the_site_as_contributing_says() -> None:
+    said = (HOME / "CONTRIBUTING.md").read_text().splitlines()
+    assert all(line in said for line in (HOME / ".ci" / "run").read_text().splitlines() if "mkdocs" in line)
+    assert any("mkdocs build --strict" in line for line in said)
