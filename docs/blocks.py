@@ -94,8 +94,8 @@ def run(step: Step, folder: Path) -> str:
             return printed.getvalue()
         if step.kind in ("sh", "inline"):
             lines = step.text.replace("\\\n", " ").splitlines()
-            printed = [_run_line(line, repeated=step.kind == "inline") for line in lines if line.strip()]
-            return printed[-1] if printed else ""
+            each = [_run_line(line, repeated=step.kind == "inline") for line in lines if line.strip()]
+            return each[-1] if each else ""
     return ""
 
 
