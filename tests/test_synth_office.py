@@ -13,7 +13,7 @@ from scipy import ndimage
 
 from vdoor.errors import SettingError
 from vdoor.synth import PRESETS, Office, SyntheticMap, synthesize
-from vdoor.synth.office_halls import BLOCK_GAP_M
+from vdoor.synth.office_parts import BLOCK_GAP_M
 
 SMALL = dataclasses.replace(PRESETS["office"], length_min_m=12.0, length_max_m=24.0)
 PLAIN = dataclasses.replace(SMALL, furniture=False, rough_chance=0.0, **SOLID)

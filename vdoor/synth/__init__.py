@@ -1,10 +1,47 @@
-"""Maps of our own: apartments, homes and offices drawn from a seed, with the truth about their rooms and doors."""
+"""Maps of our own: apartments, homes and offices drawn from a seed, with the truth about their rooms and doors.
 
-from vdoor.synth.home_settings import Home
-from vdoor.synth.kinds import PRESETS, synthesize
-from vdoor.synth.made import SyntheticMap, TrueDoor
-from vdoor.synth.office_settings import Office
-from vdoor.synth.settings import Apartment
-from vdoor.synth.write import write_synthetic
+`settings` has all that one can set; `apartment`, `home` and `office` draw one kind each. A plan in metres (`layout`)
+is painted on a fine raster (`canvas`) and furnished (`furniture`), a robot sees it (`scan`), the walls of some maps are
+drawn in other ways (`wall_style`, `drawn_walls`), and what comes out is a map with its `truth`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+
+from vdoor.synth.apartment import draw_apartment
+from vdoor.synth.home import draw_home
+from vdoor.synth.office import draw_office
+from vdoor.synth.settings import Apartment, Home, Office
+from vdoor.synth.truth import SyntheticMap, TrueDoor, write_synthetic
 
 __all__ = ["PRESETS", "Apartment", "Home", "Office", "SyntheticMap", "TrueDoor", "synthesize", "write_synthetic"]
+
+_DRAW: Mapping[type, Callable[[Any, np.random.Generator], SyntheticMap]] = MappingProxyType(
+    {
+        Apartment: draw_apartment,  # the paper's kind: orthogonal, sparsely cluttered
+        Home: draw_home,  # as a robot vacuum maps it
+        Office: draw_office,  # a floor of an office building
+    }
+)
+
+PRESETS: Mapping[str, Any] = MappingProxyType(  # Any: each kind has settings of its own, and checks them
+    {
+        "paper": Apartment(rooms=5, rooms_spread=1, cell_m=0.2),
+        "paper-5cm": Apartment(rooms=5, rooms_spread=1, cell_m=0.05),
+        "home": Home(),
+        "office": Office(),
+    }
+)
+
+
+def synthesize(settings: Apartment | Home | Office, rng: np.random.Generator) -> SyntheticMap:
+    """Return one map of the settings' kind; the same generator state gives the same one.
+
+    Raises `SettingError` if the rooms of an apartment do not fit.
+    """
+    return _DRAW[type(settings)](settings, rng)

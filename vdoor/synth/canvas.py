@@ -1,26 +1,129 @@
-"""The fine raster of room numbers that homes and offices are drawn on, and how it is laid on a map's cells."""
+"""The fine raster that maps are drawn on, the shapes drawn on it, and how it is laid on a map's cells.
+
+Shapes are in metres, x right, y up, from the canvas's lower left corner.
+"""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vdoor.frame import Frame
-from vdoor.synth.plan import Rect
-from vdoor.synth.settings import FINE_M
 
+FINE_M = 0.025
+"""Side of a cell of the raster that everything is drawn on."""
+LATTICE_M = 0.05
+"""Walls, doors and furniture of apartments begin and end on multiples of this, so that 5 cm cells show them exactly."""
+Axis = Literal[0, 1]
+"""x or y."""
+AXES: tuple[Axis, Axis] = (0, 1)
 Rooms = NDArray[np.int32]
+"""Number of the room of each cell (h, w), 0 for none."""
+Cells = NDArray[np.int8]
+"""State of each cell (h, w) as in `OccupancyGrid`."""
 Shape = NDArray[np.float64]
 """Corners (k, 2) as x, y of a convex polygon, counter-clockwise."""
+HAIR_M = 1e-6
+"""Less than this is nothing."""
+
+
+def fine(value_m: float) -> float:
+    """Return the nearest multiple of `FINE_M`."""
+    return round(value_m / FINE_M) * FINE_M
+
+
+def snap(value_m: float) -> float:
+    """Return the nearest multiple of `LATTICE_M`."""
+    return round(value_m / LATTICE_M) / round(1 / LATTICE_M)
+
+
+def lattice_range(low_m: float, high_m: float) -> range:
+    """Return which multiples of `LATTICE_M` lie between the two, both included."""
+    return range(math.ceil(low_m / LATTICE_M - 1e-6), math.floor(high_m / LATTICE_M + 1e-6) + 1)
+
+
+def square_to(axis: Axis) -> Axis:
+    """Return the axis at a right angle to this one."""
+    return 1 if axis == 0 else 0
+
+
+@dataclass(frozen=True)
+class Rect:
+    """An upright rectangle; `low` and `high` are (x, y) of its lower left and upper right corners."""
+
+    low: tuple[float, float]
+    high: tuple[float, float]
+
+    @classmethod
+    def between(cls, one: tuple[float, float], two: tuple[float, float]) -> Rect:
+        """Return the rectangle with these two points as opposite corners."""
+        return cls((min(one[0], two[0]), min(one[1], two[1])), (max(one[0], two[0]), max(one[1], two[1])))
+
+    @property
+    def sides(self) -> tuple[float, float]:
+        """Width and height."""
+        return self.high[0] - self.low[0], self.high[1] - self.low[1]
+
+    @property
+    def area(self) -> float:
+        """Width times height."""
+        return math.prod(self.sides)
+
+    @property
+    def middle(self) -> tuple[float, float]:
+        """Its centre."""
+        return (self.low[0] + self.high[0]) / 2, (self.low[1] + self.high[1]) / 2
+
+    def grown(self, x_m: float, y_m: float) -> Rect:
+        """Return a rectangle with `x_m` more to the left and right, `y_m` more below and above."""
+        return Rect((self.low[0] - x_m, self.low[1] - y_m), (self.high[0] + x_m, self.high[1] + y_m))
+
+    def spanning(self, axis: Axis, low: float, high: float) -> Rect:
+        """Return the rectangle with its extent along `axis` replaced."""
+        if axis == 0:
+            return Rect((low, self.low[1]), (high, self.high[1]))
+        return Rect((self.low[0], low), (self.high[0], high))
+
+    def overlaps(self, other: Rect) -> bool:
+        """Whether the two have area in common (less than a hair is none)."""
+        return all(self.low[k] < other.high[k] - HAIR_M and other.low[k] < self.high[k] - HAIR_M for k in (0, 1))
+
+    def holds(self, other: Rect) -> bool:
+        """Whether `other` lies inside."""
+        return all(self.low[k] < other.low[k] + HAIR_M and other.high[k] < self.high[k] + HAIR_M for k in (0, 1))
+
+
+def turned_box(middle: tuple[float, float], sides: tuple[float, float], angle_rad: float = 0.0) -> Shape:
+    """Return a rectangle about `middle`, turned."""
+    corners = np.array([(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)]) * sides
+    cos, sin = math.cos(angle_rad), math.sin(angle_rad)
+    return np.asarray(corners @ np.array([(cos, sin), (-sin, cos)]) + middle)
+
+
+def box(rect: Rect) -> Shape:
+    """Return an upright rectangle as a shape."""
+    return turned_box(rect.middle, rect.sides)
+
+
+def around(shape: Shape) -> Rect:
+    """Return the upright rectangle around a shape."""
+    low, high = shape.min(axis=0), shape.max(axis=0)
+    return Rect((low[0], low[1]), (high[0], high[1]))
+
+
+def disc(middle: tuple[float, float], radius_m: float) -> Shape:
+    """Return a regular polygon of twelve corners."""
+    angle = np.arange(12) * math.pi / 6
+    return np.asarray(np.stack([np.cos(angle), np.sin(angle)], axis=1) * radius_m + middle)
 
 
 @dataclass(frozen=True, eq=False)
 class Canvas:
-    """Number of the room that each fine cell (h, w) belongs to, 0 where one cannot go; row 0 is the top."""
+    """A raster of fine cells with the room that each belongs to, 0 where one cannot go; row 0 is the top."""
 
     rooms: Rooms
 
@@ -29,6 +132,10 @@ class Canvas:
         """Return a canvas of that width and height, all solid."""
         width, height = (math.ceil(side / FINE_M) for side in size_m)
         return cls(np.zeros((height, width), np.int32))
+
+    def empty(self) -> Canvas:
+        """Return another canvas of this size, all solid."""
+        return Canvas(np.zeros_like(self.rooms))
 
     def window(self, rect: Rect) -> tuple[slice, slice]:
         """Rows and columns of the cells within a rectangle, as far as it is on the canvas."""
@@ -51,8 +158,7 @@ class Canvas:
 
     def block(self, shape: Shape) -> None:
         """Make the cells solid whose centres lie within a convex polygon."""
-        low, high = shape.min(axis=0), shape.max(axis=0)
-        rows, cols = self.window(Rect((low[0], low[1]), (high[0], high[1])).grown(FINE_M, FINE_M))
+        rows, cols = self.window(around(shape).grown(FINE_M, FINE_M))
         x, y = self._centres(rows, cols)
         inside = np.ones((y.size, x.size), np.bool_)
         for (x0, y0), (x1, y1) in zip(shape.tolist(), np.roll(shape, -1, axis=0).tolist(), strict=True):
@@ -76,19 +182,24 @@ class Canvas:
 
         Around it are `margin_m` and up to a cell more, by `phase` (two shares of a cell); the origin is (0, 0).
         """
+        source, (wide_m, high_m) = self.turned(yaw_rad, (margin_m + phase[0] * cell_m, margin_m + phase[1] * cell_m))
+        rows, cols = (math.ceil((side_m + 2 * margin_m) / cell_m) + 1 for side_m in (high_m, wide_m))
+        target = Frame(rows, cols, cell_m)
+        return Placed(_sampled(self.rooms, source, target), source, cell_m)
+
+    def turned(self, yaw_rad: float, low_m: tuple[float, float] = (0.0, 0.0)) -> tuple[Frame, tuple[float, float]]:
+        """Return where the turned canvas lies with its lowest x and y at `low_m`, and how wide and high it is then."""
         height, width = self.rooms.shape
         corners = np.array([(-0.5, -0.5), (-0.5, width - 0.5), (height - 0.5, -0.5), (height - 0.5, width - 0.5)])
-        around = Frame(height, width, FINE_M, 0.0, 0.0, yaw_rad).world_from_cell(corners)
-        low, high = around.min(axis=0), around.max(axis=0)
-        x_m, y_m = (margin_m + phase[k] * cell_m - float(low[k]) for k in (0, 1))
-        cols, rows = (math.ceil((float(high[k] - low[k]) + 2 * margin_m) / cell_m) + 1 for k in (0, 1))
-        source, target = Frame(height, width, FINE_M, x_m, y_m, yaw_rad), Frame(rows, cols, cell_m)
-        return Placed(_sampled(self.rooms, source, target), source, cell_m)
+        points = Frame(height, width, FINE_M, yaw_rad=yaw_rad).world_from_cell(corners)
+        (left, bottom), (right, top) = points.min(axis=0).tolist(), points.max(axis=0).tolist()
+        frame = Frame(height, width, FINE_M, low_m[0] - left, low_m[1] - bottom, yaw_rad)
+        return frame, (right - left, top - bottom)
 
 
 @dataclass(eq=False)
 class Placed:
-    """A drawn plan on the map's cells: `rooms` (h, w), 0 where one cannot go, and where the canvas lies on the map."""
+    """A canvas on the map's cells: the rooms of these, and where the canvas lies on the map."""
 
     rooms: Rooms
     canvas: Frame
@@ -99,7 +210,7 @@ class Placed:
         """The map's own frame."""
         return Frame(self.rooms.shape[0], self.rooms.shape[1], self.cell_m)
 
-    def laid(self, raster: NDArray[Any]) -> NDArray[Any]:
+    def on_map(self, raster: NDArray[Any]) -> NDArray[Any]:
         """Another raster of the canvas's shape on the map's cells (h, w), 0 beyond it."""
         return _sampled(raster, self.canvas, self.frame)
 
@@ -114,31 +225,18 @@ class Placed:
 
 
 def _sampled(raster: NDArray[Any], source: Frame, target: Frame) -> NDArray[Any]:
-    """Return what a raster shows at the middles of another frame's cells, 0 beyond its edges."""
-    # The way from cell to cell is affine: three points tell all of it, and sums of a column and a row are cheap.
+    """Return a raster at the middles of another frame's cells, 0 beyond its edges."""
+    # The map from cells to cells is affine: three points give all of it, and sums of a column and a row are cheap.
     start, down, right = source.cell_from_world(target.world_from_cell(np.array([(0, 0), (1, 0), (0, 1)])))
     steps = np.arange(target.height)[:, np.newaxis], np.arange(target.width)
-    row, col = (
-        np.rint(start[k] + steps[0] * (down - start)[k] + steps[1] * (right - start)[k]).astype(np.intp) for k in (0, 1)
-    )
-    known = (row >= 0) & (row < source.height) & (col >= 0) & (col < source.width)
-    at = np.where(known, row * source.width + col, 0)
-    return np.where(known, raster.ravel()[at], 0).astype(raster.dtype)
+    row, col = (start[k] + steps[0] * (down - start)[k] + steps[1] * (right - start)[k] for k in (0, 1))
+    return nearest(raster, row, col)
 
 
-def turned_box(middle: tuple[float, float], sides: tuple[float, float], angle_rad: float = 0.0) -> Shape:
-    """Return a rectangle about `middle`, turned."""
-    corners = np.array([(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)]) * sides
-    cos, sin = math.cos(angle_rad), math.sin(angle_rad)
-    return np.asarray(corners @ np.array([(cos, sin), (-sin, cos)]) + middle)
-
-
-def box(rect: Rect) -> Shape:
-    """Return an upright rectangle as a shape."""
-    return turned_box(rect.middle, rect.sides)
-
-
-def disc(middle: tuple[float, float], radius_m: float) -> Shape:
-    """Return a regular polygon of twelve corners."""
-    angle = np.arange(12) * math.pi / 6
-    return np.asarray(np.stack([np.cos(angle), np.sin(angle)], axis=1) * radius_m + middle)
+def nearest(raster: NDArray[Any], row: NDArray[np.float64], col: NDArray[np.float64], beyond: int = 0) -> NDArray[Any]:
+    """Return a raster's values at places between its cells, and `beyond` outside."""
+    row, col = np.rint(row).astype(np.intp), np.rint(col).astype(np.intp)
+    height, width = raster.shape
+    known = (row >= 0) & (row < height) & (col >= 0) & (col < width)
+    at = np.where(known, row * width + col, 0)
+    return np.where(known, raster.ravel()[at], beyond).astype(raster.dtype)

@@ -1,4 +1,4 @@
-"""From settings and a random generator to a home as a robot vacuum maps it."""
+"""From settings and a random generator to a home as a robot vacuum maps it: its furniture, and what the robot sees."""
 
 from __future__ import annotations
 
@@ -7,15 +7,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from vdoor.synth import scan, things
-from vdoor.synth.canvas import Canvas, Placed, Shape, box
+from vdoor.synth import furniture, scan
+from vdoor.synth.canvas import Cells, Placed, Rect, Shape, box
 from vdoor.synth.drawn_walls import Walls, draw_walls
 from vdoor.synth.home_plan import draw_home_plan
-from vdoor.synth.home_settings import Home
-from vdoor.synth.layout import Drawn, Gap, Layout, Opened, SlantingGap, drawn, keep_passable
-from vdoor.synth.made import SyntheticMap
-from vdoor.synth.plan import Rect
-from vdoor.synth.truth import with_truth
+from vdoor.synth.layout import Gap, Layout, Opened, SlantingGap, drawn, laid_on_map
+from vdoor.synth.settings import Home, chance, log_uniform
+from vdoor.synth.truth import SyntheticMap, with_truth
 from vdoor.synth.wall_style import drawn_style, planned
 
 AROUND_M = 4.0
@@ -28,32 +26,22 @@ def draw_home(settings: Home, rng: np.random.Generator) -> SyntheticMap:
     for_plan, for_doors, for_furniture, for_place, for_scan, for_style, for_walls = rng.spawn(7)
     style = drawn_style(settings, for_style)
     built = planned(settings, style)
-    layout = draw_home_plan(built, for_plan)
-    plan = drawn(layout)
-    floor = Canvas(plan.canvas.rooms.copy())
-    standing = _beside_doors(plan.opened, settings, for_doors) + _furniture(layout, settings, for_furniture)
-    keep_passable(plan, standing)
-    yaw = turn(settings.rotated_chance, for_place)
-    placed = plan.canvas.placed(yaw, settings.cell_m, AROUND_M, (for_place.random(), for_place.random()))
-    walls = Walls(style, for_walls, layout, floor, plan.canvas, placed, built.wall_max_m)
-    cells = _scanned(walls, plan, settings, for_scan)
-    return with_truth(cells, placed, plan.opened, settings)
-
-
-def turn(chance: float, rng: np.random.Generator) -> float:
-    """Return by how much a map does not lie straight (radians): by up to 6 degrees, two in five of them up to 45."""
-    most = 45.0 if rng.random() < 0.4 else 6.0  # noqa: PLR2004
-    return math.radians(rng.uniform(-most, most)) if rng.random() < chance else 0.0
+    plan = drawn(draw_home_plan(built, for_plan))
+    standing = _beside_doors(plan.opened, settings, for_doors) + _furniture(plan.layout, settings, for_furniture)
+    furniture.keep_passable(plan, standing)
+    placed = laid_on_map(plan.canvas, settings, AROUND_M, for_place)
+    walls = Walls(style, for_walls, plan, placed, built.wall_max_m)
+    return with_truth(_scanned(walls, settings, for_scan), placed, plan.opened, settings)
 
 
 def _beside_doors(opened: Sequence[Opened], settings: Home, rng: np.random.Generator) -> list[tuple[Rect, Shape]]:
     """Return leaves and what flanks doors, each with the place by its door."""
     found: list[tuple[Rect, Shape]] = []
     for gap in (door.gap for door in opened if not isinstance(door.gap, SlantingGap)):
-        if gap.leaf and rng.random() < settings.leaf_chance:
-            found.append((gap.rect, things.leaf(gap, rng)))
-        if rng.random() < settings.niche_chance:
-            found += [(gap.rect, shape) for shape in things.niche(gap, rng)]
+        if gap.leaf and chance(settings.leaf_chance, rng):
+            found.append((gap.rect, furniture.leaf(gap, rng)))
+        if chance(settings.niche_chance, rng):
+            found += [(gap.rect, shape) for shape in furniture.niche(gap, rng)]
     return found
 
 
@@ -61,16 +49,16 @@ def _furniture(layout: Layout, settings: Home, rng: np.random.Generator) -> list
     """Return shafts, and what stands in all rooms unless furniture is off, each with its floor."""
     clear_m = (settings.wall_piece_clear_m, settings.clutter_clear_m)
     wide, close = ([gap.clear(away_m, 0.05) for gap in layout.gaps] for away_m in clear_m)
-    floors = [floor for floor in layout.floors if min(floor.sides) > things.PASSAGE_M]
+    floors = [floor for floor in layout.floors if min(floor.sides) > furniture.PASSAGE_M]
     found: list[tuple[Rect, Shape]] = []
     for k in rng.integers(len(floors), size=rng.poisson(settings.shafts)).tolist():
-        found += [(floors[k], box(rect)) for rect in things.shaft(floors[k], rng)]
-    lively = math.exp(rng.uniform(math.log(settings.clutter_min_per_m2), math.log(settings.clutter_max_per_m2)))
+        found += [(floors[k], box(rect)) for rect in furniture.shaft(floors[k], rng)]
+    lively = log_uniform(settings.clutter_min_per_m2, settings.clutter_max_per_m2, rng)
     if settings.furniture:
         for floor in floors:
-            found += [(floor, shape) for shape in _large(floor, settings, rng) if things.clear_of(shape, wide)]
-            found += [(floor, shape) for shape in _small(floor, lively, rng) if things.clear_of(shape, close)]
-    return [(floor, shape) for floor, shape in found if things.clear_of(shape, close)]
+            found += [(floor, shape) for shape in _large(floor, settings, rng) if furniture.clear_of(shape, wide)]
+            found += [(floor, shape) for shape in _small(floor, lively, rng) if furniture.clear_of(shape, close)]
+    return [(floor, shape) for floor, shape in found if furniture.clear_of(shape, close)]
 
 
 def _large(floor: Rect, settings: Home, rng: np.random.Generator) -> list[Shape]:
@@ -78,10 +66,10 @@ def _large(floor: Rect, settings: Home, rng: np.random.Generator) -> list[Shape]
     pieces = [
         box(rect)
         for _ in range(rng.poisson(min(settings.wall_pieces_per_m2 * floor.area, 6.0)))
-        for rect in things.against_wall(floor, (0.3, 2.0), (0.1, 1.0), rng, jagged_chance=JAGGED_CHANCE)
+        for rect in furniture.against_wall(floor, (0.3, 2.0), (0.1, 1.0), rng, jagged_chance=JAGGED_CHANCE)
     ]
     free = [
-        things.free_standing(floor, (0.2, 1.1), rng, turned_chance=0.4)
+        furniture.free_standing(floor, (0.2, 1.1), rng, turned_chance=0.4)
         for _ in range(rng.poisson(min(settings.free_pieces_per_m2 * floor.area, 2.5)))
     ]
     return pieces + [piece for piece in free if piece is not None]
@@ -89,41 +77,41 @@ def _large(floor: Rect, settings: Home, rng: np.random.Generator) -> list[Shape]
 
 def _small(floor: Rect, clutter_per_m2: float, rng: np.random.Generator) -> list[Shape]:
     """Return clutter, and legs of tables and chairs."""
-    found = [things.clutter(floor, rng) for _ in range(rng.poisson(clutter_per_m2 * floor.area))]
+    found = [furniture.clutter(floor, rng) for _ in range(rng.poisson(clutter_per_m2 * floor.area))]
     for _ in range(rng.poisson(clutter_per_m2 * floor.area / 5)):
-        around = things.free_standing(floor, (0.3, 1.4), rng, turned_chance=0.4)
-        if around is not None:
-            found += things.legs(around, rng.uniform(0.04, 0.1))
+        table = furniture.free_standing(floor, (0.3, 1.4), rng, turned_chance=0.4)
+        if table is not None:
+            found += furniture.legs(table, rng.uniform(0.04, 0.1))
     return found
 
 
-def _scanned(walls: Walls, plan: Drawn, settings: Home, rng: np.random.Generator) -> scan.Cells:
+def _scanned(walls: Walls, settings: Home, rng: np.random.Generator) -> Cells:
     """Return the cells as the robot shows them; the rooms lose what it did not see, and gain what rays freed."""
-    placed, rooms = walls.placed, walls.placed.rooms
+    plan, placed, rooms = walls.plan, walls.placed, walls.placed.rooms
     doors = placed.cells_from_plan(np.array([door.gap.rect.middle for door in plan.opened]).reshape(-1, 2))
     unseen = np.zeros(rooms.shape, np.bool_)
-    for _ in range(int(rng.integers(1, 4)) if rng.random() < settings.corners_chance else 0):
+    for _ in range(int(rng.integers(1, 4)) if chance(settings.corners_chance, rng) else 0):
         unseen |= scan.leave_corners(rooms, doors, 0.12, rng)
-    if rng.random() < settings.rough_chance:
+    if chance(settings.rough_chance, rng):
         scan.roughen(rooms, rng.uniform(0.0, settings.rough_max), rng)
-    cells = scan.outlined(rooms, unseen, depth=2 if rng.random() < 0.15 else 1)  # noqa: PLR2004  # one in seven
+    cells = scan.outlined(rooms, unseen, depth=2 if chance(0.15, rng) else 1)  # one in seven
     draw_walls(cells, walls)
-    scan.forget_walls(cells, rng.uniform(0.0, settings.unknown_max) * (rng.random() < 0.6), rng)  # noqa: PLR2004
-    if rng.random() < settings.holes_chance:
+    scan.forget_walls(cells, rng.uniform(0.0, settings.unknown_max) * chance(0.6, rng), rng)
+    if chance(settings.holes_chance, rng):
         scan.pierce(rooms, cells, int(rng.integers(1, 5)), rng)
     for gap in plan.shut:
-        _look_through(gap, placed, cells, rng)
+        _cast_through_door(gap, placed, cells, rng)
     for _ in range(rng.poisson(settings.windows)):
-        scan.look_outside(placed, cells, (0.3, 3.5), rng)
-    for _ in range(int(rng.integers(1, 9)) if rng.random() < settings.pockets_chance else 0):
+        scan.cast_through_window(placed, cells, (0.3, 3.5), rng)
+    for _ in range(int(rng.integers(1, 9)) if chance(settings.pockets_chance, rng) else 0):
         scan.draw_pockets(rooms, cells, settings.cell_m, rng)
     scan.speckle(rooms, cells, int(rng.poisson(settings.specks)), rng)
     return cells
 
 
-def _look_through(gap: Gap, placed: Placed, cells: scan.Cells, rng: np.random.Generator) -> None:
+def _cast_through_door(gap: Gap, placed: Placed, cells: Cells, rng: np.random.Generator) -> None:
     """Show what is seen of a room that was not visited, through its door; now and then the door was shut."""
-    if rng.random() < 0.4:  # noqa: PLR2004
+    if chance(0.4, rng):
         return
     away = rng.uniform(0.4, 1.5)
     for sign in (-1, 1):

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vdoor.synth.home_settings import Home
-from vdoor.synth.layout import Gap, Layout, SlantingGap, connected, fine, placed_door, walls_between
-from vdoor.synth.plan import Axis, Rect
+from vdoor.synth.canvas import AXES, Axis, Rect, fine, square_to
+from vdoor.synth.layout import Gap, Groups, Layout, SlantingGap, placed_door, walls_between
+from vdoor.synth.settings import Home, chance, log_uniform
 
 MARGIN_M = 0.5
 CORRIDOR_FROM_M2 = 45.0
@@ -32,14 +32,14 @@ class Link:
 
 def draw_home_plan(settings: Home, rng: np.random.Generator) -> Layout:
     """Return a plan whose rooms are all joined."""
-    area = math.exp(rng.uniform(math.log(settings.area_min_m2), math.log(settings.area_max_m2)))
+    area = log_uniform(settings.area_min_m2, settings.area_max_m2, rng)
     long_m = math.sqrt(area * rng.uniform(1.0, settings.aspect_max))
-    sides = (long_m, area / long_m) if rng.random() < 0.5 else (area / long_m, long_m)  # noqa: PLR2004  # either way
+    sides = (long_m, area / long_m) if chance(0.5, rng) else (area / long_m, long_m)  # either way
     inside = Rect((MARGIN_M, MARGIN_M), (fine(MARGIN_M + sides[0]), fine(MARGIN_M + sides[1])))
     rooms, corridor = _rooms(inside, settings, rng)
     bays: list[Rect] = []
     slanting: list[Link] = []
-    if rng.random() < settings.jog_chance:
+    if chance(settings.jog_chance, rng):
         rooms, bays, slanting = _set_back(rooms, settings, rng)
     taken = {tuple(sorted(link.rooms)) for link in slanting}
     links = slanting + [link for link in _links(rooms, corridor, settings, rng) if link.rooms not in taken]
@@ -56,7 +56,7 @@ def _rooms(inside: Rect, settings: Home, rng: np.random.Generator) -> tuple[list
     """Return rooms, and which of them is the corridor."""
     largest = rng.uniform(settings.room_min_m2, settings.room_max_m2)
     parts, corridor = [inside], None
-    if inside.area > CORRIDOR_FROM_M2 and rng.random() < settings.corridor_chance:
+    if inside.area > CORRIDOR_FROM_M2 and chance(settings.corridor_chance, rng):
         parts, corridor = _around_corridor(inside, settings, rng)
     rooms = [room for part in parts for room in _divided(part, largest, settings, rng)]
     return rooms + ([corridor] if corridor else []), corridor
@@ -65,8 +65,8 @@ def _rooms(inside: Rect, settings: Home, rng: np.random.Generator) -> tuple[list
 def _around_corridor(inside: Rect, settings: Home, rng: np.random.Generator) -> tuple[list[Rect], Rect | None]:
     """Return what a corridor leaves, and the corridor: through all of the home, or ending before a part of it."""
     along: Axis = 0 if inside.sides[0] >= inside.sides[1] else 1
-    across: Axis = 1 if along == 0 else 0
-    through = rng.random() < 0.5  # noqa: PLR2004  # as often as not
+    across = square_to(along)
+    through = chance(0.5, rng)  # as often as not
     pieces = [inside] if through else _halves(inside, along, rng.uniform(0.25, 0.75), settings, rng)
     main = max(pieces, key=lambda piece: piece.area)
     width = rng.uniform(settings.corridor_min_m, settings.corridor_max_m)
@@ -91,8 +91,7 @@ def _divided(part: Rect, largest_m2: float, settings: Home, rng: np.random.Gener
     if part.area <= largest_m2 * rng.uniform(0.5, 1.0):
         return [part]
     axis: Axis = 0 if part.sides[0] > part.sides[1] * rng.uniform(0.75, 1.33) else 1
-    other: Axis = 1 if axis == 0 else 0
-    for cut in (axis, other):
+    for cut in (axis, square_to(axis)):
         halves = _halves(part, cut, rng.uniform(0.3, 0.7), settings, rng)
         if len(halves) > 1:
             return [room for half in halves for room in _divided(half, largest_m2, settings, rng)]
@@ -127,47 +126,51 @@ def _set_back(rooms: list[Rect], settings: Home, rng: np.random.Generator) -> tu
     triples = [
         (a, b, c, axis)
         for a, b, c in itertools.permutations(range(len(rooms)), 3)
-        for axis in (0, 1)
-        if _corner(rooms[a], rooms[b], rooms[c], axis, settings)
+        for axis in AXES
+        if _meet(rooms[a], rooms[b], rooms[c], axis, settings)
     ]
     if not triples:
         return rooms, [], []
     a, b, c, axis = triples[rng.integers(len(triples))]
-    across, along = axis, 1 - axis
-    main, door, back = rooms[a], rooms[b], rooms[c]
-    out = 1 if back.low[across] > main.low[across] else -1
-    up = 1 if door.low[along] > back.low[along] else -1
-    face = (main.high if out > 0 else main.low)[across]
+    smaller, bay, door = _around_corner(rooms[a], rooms[b], rooms[c], axis, rng)
+    return [smaller if k == c else room for k, room in enumerate(rooms)], [bay], [Link((a, b), door, FORCED)]
+
+
+def _around_corner(
+    main: Rect, beside: Rect, back: Rect, axis: Axis, rng: np.random.Generator
+) -> tuple[Rect, Rect, SlantingGap]:
+    """Return the room `back` set back from `main`, the bay before it, and the slanting door from there to `beside`."""
+    along = square_to(axis)
+    out = 1 if back.low[axis] > main.low[axis] else -1
+    up = 1 if beside.low[along] > back.low[along] else -1
+    face = (main.high if out > 0 else main.low)[axis]
     end = (back.high if up > 0 else back.low)[along]
-    wall = abs((back.low if out > 0 else back.high)[across] - face)
-    between = abs((door.low if up > 0 else door.high)[along] - end)
+    wall = abs((back.low if out > 0 else back.high)[axis] - face)
+    between = abs((beside.low if up > 0 else beside.high)[along] - end)
     depth, height = fine(rng.uniform(0.45, 0.8)), fine(rng.uniform(0.45, 0.8))
 
     def point(away: float, beyond: float) -> tuple[float, float]:
         at = (face + out * away, end + up * beyond)
         return at if axis == 0 else (at[1], at[0])
 
-    def rect(one: tuple[float, float], two: tuple[float, float]) -> Rect:
-        return Rect((min(one[0], two[0]), min(one[1], two[1])), (max(one[0], two[0]), max(one[1], two[1])))
-
     length = back.sides[along]
-    bay = rect(point(0.0, 0.0), point(depth, -length))
-    smaller = rect(point(depth + wall, 0.0), point(wall + back.sides[across], -length))
+    smaller = Rect.between(point(depth + wall, 0.0), point(wall + back.sides[axis], -length))
+    bay = Rect.between(point(0.0, 0.0), point(depth, -length))
+    opened = Rect.between(point(0.0, 0.0), point(depth, between + height))
     line = point(wall / 2, between + height), point(depth, between / 2)
-    gap = SlantingGap(rect(point(0.0, 0.0), point(depth, between + height)), axis, leaf=False, line=line)  # type: ignore[arg-type]  # 0 or 1
-    return [smaller if k == c else room for k, room in enumerate(rooms)], [bay], [Link((a, b), gap, FORCED)]
+    return smaller, bay, SlantingGap(opened, axis, leaf=False, line=line)
 
 
-def _corner(main: Rect, door: Rect, back: Rect, axis: Axis, settings: Home) -> bool:
-    """Whether `door` and `back` lie side by side along one wall of `main`, with room for a slanting door between."""
-    along: Axis = 1 if axis == 0 else 0
-    walls = [list(walls_between(main, other, settings.wall_max_m, 1.2)) for other in (door, back)]
+def _meet(main: Rect, beside: Rect, back: Rect, axis: Axis, settings: Home) -> bool:
+    """Whether `beside` and `back` lie side by side along one wall of `main`, with room for a slanting door between."""
+    along = square_to(axis)
+    walls = [list(walls_between(main, other, settings.wall_max_m, 1.2)) for other in (beside, back)]
     if not all(len(found) == 1 and found[0].axis == axis for found in walls):
         return False
-    same_face = door.low[axis] == back.low[axis] or door.high[axis] == back.high[axis]
+    same_face = beside.low[axis] == back.low[axis] or beside.high[axis] == back.high[axis]
     return (
         same_face
-        and any(wall.axis == along for wall in walls_between(door, back, settings.wall_max_m, 1.2))
+        and any(wall.axis == along for wall in walls_between(beside, back, settings.wall_max_m, 1.2))
         and main.low[along] <= back.low[along]
         and back.high[along] <= main.high[along]
         and back.sides[axis] >= 0.8 + settings.wall_max_m + settings.room_side_min_m
@@ -181,9 +184,8 @@ def _without_outside(count: int, links: list[Link], settings: Home, rng: np.rand
     for room in rng.permutation(count).tolist():
         rest = kept - {room}
         pairs = [link.rooms for link in links if rest.issuperset(link.rooms)]
-        if rng.random() < settings.outside_chance and room not in bound and len(rest) >= 2 * count / 3:
-            groups = connected(count, pairs)
-            kept = rest if len({groups[k] for k in rest}) == 1 else kept
+        if chance(settings.outside_chance, rng) and room not in bound and len(rest) >= 2 * count / 3:
+            kept = rest if Groups(count, pairs).all_joined(rest) else kept
     return kept
 
 
@@ -193,18 +195,18 @@ def _join(
     """Return the doors and openings of a random spanning tree and a few more, and the links with no wall at all."""
     open_chance = rng.uniform(settings.open_chance_min, settings.open_chance_max)
     merge_chance = rng.uniform(0.0, settings.merge_chance_max)
-    group = list(range(count))
+    groups = Groups(count)
     gaps: list[tuple[tuple[int, int], Gap]] = []
     merged: list[Link] = []
     for link in sorted(links, key=lambda link: link.rank):
-        a, b = (group[room] for room in link.rooms)
-        if a == b and rng.random() >= settings.extra_door_chance:
+        apart = groups.apart(*link.rooms)
+        if not apart and rng.random() >= settings.extra_door_chance:
             continue
-        if a != b and rng.random() < merge_chance and link.rank > 0:
+        if apart and chance(merge_chance, rng) and link.rank > 0:
             merged.append(link)
         else:
             gaps.append((link.rooms, _gap(link, open_chance, settings, rng)))
-        group = [b if g == a else g for g in group]
+        groups.join(*link.rooms)
     return gaps, merged
 
 
@@ -214,13 +216,13 @@ def _gap(link: Link, open_chance: float, settings: Home, rng: np.random.Generato
         return link.wall
     length = link.wall.rect.sides[link.wall.along]
     widest = min(OPENING_M[1], length - 2 * OPENING_JAMB_M)
-    if widest > OPENING_M[0] and rng.random() < open_chance:
+    if widest > OPENING_M[0] and chance(open_chance, rng):
         width = fine(rng.uniform(OPENING_M[0], widest))
         low = OPENING_JAMB_M + rng.uniform(0.0, 1.0) * (length - width - 2 * OPENING_JAMB_M)
         unsure = width >= settings.unsure_from_m
         return link.wall.in_wall(fine(link.wall.rect.low[link.wall.along] + low), width, leaf=False, unsure=unsure)
     width = rng.uniform(settings.door_min_m, settings.door_max_m)
-    jamb_m = FLUSH_M if rng.random() < settings.flush_chance else CORNER_M
+    jamb_m = FLUSH_M if chance(settings.flush_chance, rng) else CORNER_M
     return placed_door(link.wall, width, rng, jamb_m=jamb_m, corner=settings.door_corner_chance)
 
 
@@ -230,6 +232,6 @@ def _left_out(
     """Return a room with a single door that was not visited, in some homes."""
     uses = [room for rooms, _ in gaps for room in rooms] + [room for link in merged for room in link.rooms * 2]
     leaves = sorted(room for rooms, gap in gaps for room in rooms if uses.count(room) == 1 and gap.leaf)
-    if len(leaves) > 1 and rng.random() < settings.left_out_chance:
+    if len(leaves) > 1 and chance(settings.left_out_chance, rng):
         return {leaves[rng.integers(len(leaves))]}
     return set()

@@ -1,19 +1,20 @@
-"""A plan of any shape: floors, solids and gaps in walls. What its floors connect is a room; gaps part rooms."""
+"""Plans of any shape: floors, solids, and gaps in walls. Floors that touch are one room; gaps part rooms.
+
+Also the walls between floors, and doors in them.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+import math
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from vdoor.synth.canvas import Canvas, Shape
-from vdoor.synth.plan import Axis, Rect
-from vdoor.synth.settings import FINE_M
-
-HAIR_M = 1e-6
+from vdoor.synth.canvas import AXES, FINE_M, HAIR_M, Axis, Canvas, Placed, Rect, fine, square_to
+from vdoor.synth.settings import Home, Office, chance
 
 
 @dataclass(frozen=True)
@@ -30,7 +31,7 @@ class Gap:
     @property
     def along(self) -> Axis:
         """The axis on which the wall runs."""
-        return 1 if self.axis == 0 else 0
+        return square_to(self.axis)
 
     @property
     def ends(self) -> NDArray[np.float64]:
@@ -92,7 +93,7 @@ class Layout:
 
 @dataclass(frozen=True)
 class Opened:
-    """A gap between two rooms, and their numbers on the canvas: the lower side first."""
+    """A gap between two rooms, and their numbers on the canvas: that on the lower side first."""
 
     gap: Gap
     rooms: tuple[int, int]
@@ -102,93 +103,123 @@ class Opened:
 class Drawn:
     """A layout on its canvas: gaps that part two rooms, and those that stay shut since behind them there is none."""
 
+    layout: Layout
+    floor: Canvas
+    """With nothing on its floors; 0 is wall."""
     canvas: Canvas
+    """With all that stands on them."""
     opened: tuple[Opened, ...]
     shut: tuple[Gap, ...]
 
 
 def drawn(layout: Layout) -> Drawn:
     """Return the layout with its rooms numbered from 1, and those gaps opened that part two of them."""
-    canvas = Canvas.blank(layout.size_m)
+    floor = Canvas.blank(layout.size_m)
     for pieces, room in ((layout.floors, 1), (layout.solids, 0), (layout.pits, 1)):
         for rect in pieces:
-            canvas.paint(rect, room)
-    canvas.rooms[:], _ = ndimage.label(canvas.rooms)
+            floor.paint(rect, room)
+    floor.rooms[:], _ = ndimage.label(floor.rooms)
     # All sides are read before any gap is opened: a gap may end in the jamb of another one.
-    sides = [(canvas.at(gap.before(-1, FINE_M / 2)), canvas.at(gap.before(1, FINE_M / 2))) for gap in layout.gaps]
+    sides = [(floor.at(gap.before(-1, FINE_M / 2)), floor.at(gap.before(1, FINE_M / 2))) for gap in layout.gaps]
     opened, shut = [], []
     for gap, (a, b) in zip(layout.gaps, sides, strict=True):
         if a and b and a != b:
-            canvas.open(gap.rect, gap.ends, (b, a))
+            floor.open(gap.rect, gap.ends, (b, a))
             opened.append(Opened(gap, (a, b)))
         elif bool(a) != bool(b):
             shut.append(gap)
-    return Drawn(canvas, tuple(opened), tuple(shut))
+    return Drawn(layout, floor, Canvas(floor.rooms.copy()), tuple(opened), tuple(shut))
 
 
-def fine(value_m: float) -> float:
-    """Return the nearest multiple of the fine raster's cell."""
-    return round(value_m / FINE_M) * FINE_M
+def laid_on_map(canvas: Canvas, settings: Home | Office, margin_m: float, rng: np.random.Generator) -> Placed:
+    """Return a canvas on the map's cells: straight, or turned by up to 6 degrees, two in five of those up to 45."""
+    most = 45.0 if chance(0.4, rng) else 6.0
+    turned = rng.uniform(-most, most) if chance(settings.rotated_chance, rng) else 0.0
+    return canvas.placed(math.radians(turned), settings.cell_m, margin_m, (rng.random(), rng.random()))
 
 
 def walls_between(a: Rect, b: Rect, thickest_m: float, needs_m: float) -> Iterator[Gap]:
     """Yield the wall between two floors as one wide gap, if they are neighbours along at least `needs_m`."""
-    for axis, along in ((0, 1), (1, 0)):
+    for axis in AXES:
+        along = square_to(axis)
         low, high = max(a.low[along], b.low[along]), min(a.high[along], b.high[along])
         if high - low < needs_m - HAIR_M:
             continue
         for lower, upper in ((a, b), (b, a)):
-            faces = lower.high[axis], upper.low[axis]
-            if HAIR_M < faces[1] - faces[0] <= thickest_m + HAIR_M:
-                yield Gap(lower.spanning(axis, *faces).spanning(along, low, high), axis)  # type: ignore[arg-type]  # 0, 1
+            sides = lower.high[axis], upper.low[axis]
+            if HAIR_M < sides[1] - sides[0] <= thickest_m + HAIR_M:
+                yield Gap(lower.spanning(axis, *sides).spanning(along, low, high), axis)
 
 
 def placed_door(
-    wall: Gap, width_m: float, rng: np.random.Generator, *, jamb_m: tuple[float, float], corner: float
+    wall: Gap,
+    width_m: float,
+    rng: np.random.Generator,
+    *,
+    jamb_m: tuple[float, float],
+    corner: float,
+    snapped: Callable[[float], float] = fine,
 ) -> Gap:
-    """Return a door in a wall: with chance `corner` within `jamb_m` (least, most) of one of its ends."""
-    slack = wall.rect.sides[wall.along] - 2 * jamb_m[0] - width_m
-    offset = rng.uniform(0.0, max(slack, 0.0))
-    if rng.random() < corner:
-        offset = min(rng.uniform(0.0, jamb_m[1] - jamb_m[0]), max(slack, 0.0))
-        offset = offset if rng.random() < 0.5 else max(slack, 0.0) - offset  # noqa: PLR2004  # either end
-    return wall.in_wall(fine(wall.rect.low[wall.along] + jamb_m[0] + offset), fine(width_m))
+    """Return a door in a wall: with chance `corner` within `jamb_m` (least, most) of one of its ends.
+
+    `snapped` moves lengths onto a raster.
+    """
+    slack = max(wall.rect.sides[wall.along] - 2 * jamb_m[0] - width_m, 0.0)
+    offset = rng.uniform(0.0, slack)
+    if chance(corner, rng):
+        offset = min(rng.uniform(0.0, jamb_m[1] - jamb_m[0]), slack)
+        offset = offset if chance(0.5, rng) else slack - offset  # either end
+    low = snapped(wall.rect.low[wall.along] + jamb_m[0] + offset)
+    return Gap(wall.rect.spanning(wall.along, low, snapped(low + snapped(width_m))), wall.axis)
 
 
-def connected(count: int, pairs: Sequence[tuple[int, int]]) -> list[int]:
-    """Return the group of each of `count` things that the pairs join, groups named by one of their members."""
-    group = list(range(count))
-    for a, b in pairs:
-        old, new = group[a], group[b]
-        if old != new:
-            group = [new if g == old else g for g in group]
-    return group
+class Groups:
+    """Which of `count` rooms the doors join so far."""
+
+    def __init__(self, count: int, pairs: Iterable[tuple[int, int]] = ()) -> None:
+        self._group = list(range(count))
+        for a, b in pairs:
+            self.join(a, b)
+
+    def apart(self, a: int, b: int) -> bool:
+        """Whether no doors lead from one of two rooms to the other."""
+        return self._group[a] != self._group[b]
+
+    def join(self, a: int, b: int) -> None:
+        """Put a door between two rooms."""
+        old, new = self._group[a], self._group[b]
+        self._group = [new if group == old else group for group in self._group]
+
+    def all_joined(self, rooms: Iterable[int]) -> bool:
+        """Whether doors lead from each of some rooms to all others."""
+        return len({self._group[room] for room in rooms}) <= 1
 
 
-def keep_passable(plan: Drawn, things: Sequence[tuple[Rect, Shape]]) -> None:
-    """Block the canvas with things (each with the floor it stands on), but no floor's where that cuts a door off."""
-    canvas, opened = plan.canvas, plan.opened
-    bare = canvas.rooms.copy()
-    banned: set[Rect] = set()
-    for _ in range(4):
-        canvas.rooms[:] = bare
-        for floor, shape in things:
-            if floor not in banned:
-                canvas.block(shape)
-        part, _ = ndimage.label(canvas.rooms[::2, ::2])
-        small = Canvas(part.astype(np.int32))
-        met = [_parts_before(small, door.gap) for door in opened]
-        counts = np.bincount([part for parts in met for part in parts], minlength=2)
-        counts[0] = 0
-        main = int(counts.argmax())
-        cut = [door.gap for door, parts in zip(opened, met, strict=True) if parts != (main, main)]
-        more = {floor for floor, _ in things if any(floor.overlaps(gap.clear(0.3)) for gap in cut)} - banned
-        if not more:
-            return
-        banned |= more
+@dataclass(frozen=True)
+class Face:
+    """One of the four walls around a floor, from inside: at `at_m` on `axis`, the wall is on the side of `sign`."""
+
+    room: int
+    floor: Rect
+    axis: Axis
+    sign: int
+
+    @property
+    def along(self) -> Axis:
+        """The axis on which the wall runs."""
+        return square_to(self.axis)
+
+    @property
+    def at_m(self) -> float:
+        """Where the face is on `axis`."""
+        return (self.floor.low, self.floor.high)[self.sign > 0][self.axis]
+
+    def strip(self, start_m: float, length_m: float, depth_m: float) -> Rect:
+        """Return part of the wall behind the face, or of the floor before it if the depth is negative."""
+        ends = sorted((self.at_m, self.at_m + self.sign * depth_m))
+        return self.floor.spanning(self.axis, *ends).spanning(self.along, start_m, start_m + length_m)
 
 
-def _parts_before(half: Canvas, gap: Gap) -> tuple[int, int]:
-    """Return what is 20 cm before both sides of a gap, on a canvas of half the resolution."""
-    below, above = (tuple(x / 2 for x in gap.before(sign, 0.2)) for sign in (-1, 1))
-    return half.at((below[0], below[1])), half.at((above[0], above[1]))
+def faces(room: int, floor: Rect) -> list[Face]:
+    """All four faces of a room's floor."""
+    return [Face(room, floor, axis, sign) for axis in AXES for sign in (-1, 1)]

@@ -1,4 +1,4 @@
-"""What a robot makes of a plan, cell by cell: it sees faces of walls only, and those roughly, and not every corner."""
+"""What a robot sees of homes and offices, cell by cell: the faces of walls only, roughly, and not every corner."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from vdoor.grid import FREE, OCCUPIED, UNKNOWN
-from vdoor.synth.canvas import Placed, Rooms
+from vdoor.synth.canvas import Cells, Placed, Rooms
+from vdoor.synth.settings import chance, log_uniform
 
 Mask = NDArray[np.bool_]
-Cells = NDArray[np.int8]
 EIGHT = np.ones((3, 3), np.bool_)
 FOUR = ndimage.generate_binary_structure(2, 1)
 
@@ -137,13 +137,13 @@ def _ends(count: int, reach: float, rng: np.random.Generator) -> NDArray[np.floa
 
 def _cap(rooms: Rooms, cells: Cells, tips: NDArray[np.intp], rng: np.random.Generator) -> None:
     """Show most of what ended the rays as occupied, or nothing of it."""
-    if rng.random() < 0.6:  # noqa: PLR2004
+    if chance(0.6, rng):
         for row, col in tips[rng.random(len(tips)) < 0.8].tolist():  # noqa: PLR2004
             near = np.s_[row - 1 : row + 2, col - 1 : col + 2]
             cells[near][rooms[near] == 0] = OCCUPIED
 
 
-def look_outside(placed: Placed, cells: Cells, reach_m: tuple[float, float], rng: np.random.Generator) -> None:
+def cast_through_window(placed: Placed, cells: Cells, reach_m: tuple[float, float], rng: np.random.Generator) -> None:
     """Cast one fan through a window, where a wall with nothing behind it is found in a dozen tries."""
     rooms, cell_m = placed.rooms, placed.cell_m
     inside = np.argwhere(rooms > 0)
@@ -157,7 +157,7 @@ def look_outside(placed: Placed, cells: Cells, reach_m: tuple[float, float], rng
         if wall * 0.5 * cell_m > 0.3 and not met[wall:].any():  # noqa: PLR2004
             away_m = wall * 0.5 * cell_m
             half = math.atan(rng.uniform(0.15, 0.7) / away_m)
-            reach = away_m + math.exp(rng.uniform(math.log(reach_m[0]), math.log(reach_m[1])))
+            reach = away_m + log_uniform(reach_m[0], reach_m[1], rng)
             cast(rooms, cells, Fan((float(eye[0]), float(eye[1])), angle, half, reach / cell_m), rng)
             return
 
@@ -189,4 +189,4 @@ def speckle(rooms: Rooms, cells: Cells, count: int, rng: np.random.Generator) ->
         height, width = rng.integers(1, 4, size=2).tolist()
         around = np.s_[row - 3 : row + height + 3, col - 3 : col + width + 3]
         if not (rooms[around] > 0).any():
-            cells[row : row + height, col : col + width] = FREE if rng.random() < 0.5 else OCCUPIED  # noqa: PLR2004
+            cells[row : row + height, col : col + width] = FREE if chance(0.5, rng) else OCCUPIED

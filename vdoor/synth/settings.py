@@ -1,4 +1,4 @@
-"""What kind of apartment to draw. The defaults are the paper's kind: orthogonal, sparsely cluttered, 20 cm cells."""
+"""All that one can set for apartments, homes and offices; values that cannot be drawn are refused."""
 
 from __future__ import annotations
 
@@ -9,34 +9,16 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from vdoor.errors import SettingError
+from vdoor.synth.canvas import FINE_M, LATTICE_M, lattice_range
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
 
-FINE_M = 0.025
-"""Side of a cell of the raster that everything is drawn on."""
-LATTICE_M = 0.05
-"""Walls, doors and furniture begin and end on multiples of this, so that 5 cm cells show them exactly."""
-
-
-def snap(value_m: float) -> float:
-    """Return the nearest multiple of `LATTICE_M`."""
-    return round(value_m / LATTICE_M) / round(1 / LATTICE_M)
-
-
-def lattice_range(low_m: float, high_m: float) -> range:
-    """Return which multiples of `LATTICE_M` lie between the two, both included."""
-    return range(math.ceil(low_m / LATTICE_M - 1e-6), math.floor(high_m / LATTICE_M + 1e-6) + 1)
-
-
-def check_bounds(settings: DataclassInstance, bounds: Mapping[str, tuple[float, float]]) -> None:
-    """Raise `SettingError` unless every value lies within its bounds, both included; from 0 to 1e4 where none are."""
-    for field in dataclasses.fields(settings):
-        value, (low, high) = getattr(settings, field.name), bounds.get(field.name, (0.0, 1e4))
-        if not low <= value <= high:  # nan is not in any range
-            place = f"{type(settings).__name__}.{field.name}"
-            raise SettingError(f"{place}: wanted {low:g} to {high:g}, found {value}")
+Bounds = Mapping[str, tuple[float, float]]
+"""Least and most of settings, by name; `wall_m` is short for `wall_min_m` and `wall_max_m`."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -94,7 +76,7 @@ class Apartment:
 
     def __post_init__(self) -> None:
         """Check every value against what can be drawn."""
-        check_bounds(self, BOUNDS)
+        _check(self, APARTMENT_BOUNDS)
         for name in ("wall", "door", "corridor"):
             low, high = getattr(self, f"{name}_min_m"), getattr(self, f"{name}_max_m")
             if not lattice_range(low, high):
@@ -110,24 +92,232 @@ class Apartment:
             raise SettingError(f"Apartment.cell_m: wanted a whole multiple of {FINE_M}, found {self.cell_m}")
 
 
+@dataclass(frozen=True, kw_only=True)
+class Home:
+    """Settings of one home; what comes as `_min` and `_max` is drawn in between.
+
+    Raises `SettingError` for values that no home can have.
+    """
+
+    area_min_m2: float = 16.0
+    """Between the outer walls; drawn evenly on a logarithmic scale."""
+    area_max_m2: float = 110.0
+    aspect_max: float = 2.2
+    """The longer side over the shorter one is drawn from 1 to this."""
+    room_min_m2: float = 6.0
+    """Rooms are divided until they are below a size drawn from here to `room_max_m2`, times 0.5 to 1 each."""
+    room_max_m2: float = 20.0
+    room_side_min_m: float = 1.3
+    corridor_chance: float = 0.6
+    """Chance of a corridor, in homes of over 45 m2."""
+    corridor_min_m: float = 0.85
+    corridor_max_m: float = 1.5
+    wall_min_m: float = 0.075
+    wall_max_m: float = 0.25
+    door_min_m: float = 0.55
+    door_max_m: float = 1.0
+    door_corner_chance: float = 0.75
+    """Chance of a door within 0.05 to 0.3 m of a corner."""
+    flush_chance: float = 0.05
+    """Chance of a door without a jamb where it stands in a corner."""
+    extra_door_chance: float = 0.12
+    """Chance of a door between two neighbours who do not need it to reach each other."""
+    open_chance_min: float = 0.05
+    """Share of doors that are openings of 1.2 to 3 m: drawn per home, from here to `open_chance_max`."""
+    open_chance_max: float = 0.3
+    merge_chance_max: float = 0.18
+    """Share of neighbours with no wall between them, which are one room: drawn per home from 0 to this."""
+    unsure_from_m: float = 1.5
+    """Openings from this width on are marked as unsure."""
+    jog_chance: float = 0.3
+    """Chance that the wall is set back on one side of a door next to a corner, so that the door lies aslant."""
+    outside_chance: float = 0.08
+    """Share of rooms that belong to the neighbours: homes are not boxes."""
+    leaf_chance: float = 0.55
+    """Chance of a door's open leaf in the map."""
+    niche_chance: float = 0.6
+    """Chance of something beside a door, 0.1 to 0.6 m deep and long."""
+    furniture: bool = True
+    wall_pieces_per_m2: float = 0.4
+    """Against walls, at most six a room on average."""
+    free_pieces_per_m2: float = 0.09
+    """Free-standing, at most two and a half a room on average."""
+    clutter_min_per_m2: float = 0.2
+    """Legs and small things: drawn per home, on a logarithmic scale, from here to `clutter_max_per_m2`."""
+    clutter_max_per_m2: float = 1.5
+    wall_piece_clear_m: float = 0.6
+    """Left free before both sides of a door by large furniture."""
+    clutter_clear_m: float = 0.25
+    """Left free before both sides of a door by small things."""
+    shafts: float = 0.5
+    """Mean number of chimneys and shafts in the corners of rooms."""
+    windows: float = 0.7
+    """Mean number of windows through which scan rays leave."""
+    holes_chance: float = 0.5
+    """Chance of a home with small holes in its walls."""
+    rough_chance: float = 0.75
+    """Chance of a home with rough walls."""
+    rough_max: float = 0.3
+    """Share of a rough home's wall that is a cell off: drawn from 0 to this."""
+    corners_chance: float = 0.4
+    """Chance of a home with corners that were not explored."""
+    unknown_max: float = 0.15
+    """Share of wall cells that are unknown: drawn per home from 0 to this."""
+    pockets_chance: float = 0.25
+    """Chance of a home with thin lines of unknown cells in its rooms."""
+    specks: float = 0.7
+    """Mean number of free or occupied blots out of reach."""
+    hollow_chance: float = 0.02
+    """Chance of a home whose walls, all or some, are outlines with free or unknown cells inside."""
+    hollow_wall_min_m: float = 0.15
+    """Where walls are hollow they are this thick or more, and three and a half cells where that is more."""
+    hollow_wall_max_m: float = 0.6
+    dashed_chance: float = 0.05
+    """Chance of a home whose walls, all or some, are pieces of 0.3 to 1.5 m with gaps between."""
+    dash_gap_max_m: float = 0.2
+    """Gaps in dashed walls have one to three cells, and not more than this unless a cell is larger."""
+    antialiased_chance: float = 0.05
+    """Chance of a home whose walls, all or some, have grey edges, which are unknown, around an occupied core."""
+    left_out_chance: float = 0.2
+    """Chance of a home in which a room was not visited."""
+    rotated_chance: float = 0.35
+    """Chance of a home that does not lie straight: by up to 6 degrees, two in five of them by up to 45."""
+    cell_m: float = 0.05
+
+    def __post_init__(self) -> None:
+        """Check every value against what can be drawn."""
+        _check(self, HOME_BOUNDS)
+        _check_order(self)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Office:
+    """Settings of one office floor; what comes as `_min` and `_max` is drawn in between.
+
+    Raises `SettingError` for values that no office can have.
+    """
+
+    length_min_m: float = 18.0
+    """Along the main corridors."""
+    length_max_m: float = 48.0
+    corridors_max: int = 3
+    """Main corridors, from 1 to this; cross corridors join them."""
+    corridor_min_m: float = 1.2
+    corridor_max_m: float = 3.0
+    room_depth_min_m: float = 3.2
+    room_depth_max_m: float = 7.0
+    room_width_min_m: float = 2.2
+    room_width_max_m: float = 6.5
+    wall_min_m: float = 0.1
+    wall_max_m: float = 0.3
+    door_min_m: float = 0.8
+    """One width is drawn for the floor, a few doors differ."""
+    door_max_m: float = 1.1
+    double_chance: float = 0.12
+    """Chance of a double door of 1.4 to 2 m; halls have them more often."""
+    open_chance: float = 0.12
+    """Chance of an opening of 1.2 to 2.6 m in place of a door."""
+    unsure_from_m: float = 2.4
+    """Openings from this width on are marked as unsure."""
+    door_corner_chance: float = 0.7
+    flush_chance: float = 0.2
+    """Chance of a floor whose doors in corners have no jamb there: they end at the wall across."""
+    extra_door_chance: float = 0.08
+    """Chance of a door between neighbours, and of a second one to a corridor."""
+    corridor_door_chance: float = 0.35
+    """Chance of a door across a corridor, for each of its spans."""
+    mouth_chance: float = 0.4
+    """Chance of a floor whose cross corridors are parted from the main ones where they meet."""
+    end_hall_chance: float = 0.5
+    """Chance that what lies beyond the corridors' end is a hall they run into, not a column of rooms."""
+    open_hall_chance: float = 0.5
+    """Chance that a hall between corridors takes one in, or both, as where a corridor widens."""
+    divided_hall_chance: float = 0.4
+    """Chance that a hall is parted by a row of blocks with openings between them."""
+    screen_chance: float = 0.3
+    """Chance that a large room has a short wall in it, free or from a wall on, that parts nothing."""
+    anteroom_chance: float = 0.08
+    """Chance that a room is divided in two, one behind the other."""
+    notch_chance: float = 0.45
+    """Chance for each outer row of rooms that part of it is missing."""
+    furnished_chance: float = 0.6
+    furniture: bool = True
+    """False: none, whatever the chance."""
+    faded_chance: float = 0.25
+    """Chance of a floor of whose walls a share, from none to all, is unknown."""
+    hollow_chance: float = 0.12
+    """Chance of a floor whose walls, all or some, are outlines with free or unknown cells inside."""
+    hollow_wall_min_m: float = 0.15
+    """Where walls are hollow they are this thick or more, and three and a half cells where that is more."""
+    hollow_wall_max_m: float = 0.6
+    dashed_chance: float = 0.08
+    """Chance of a floor whose walls, all or some, are pieces of 0.3 to 1.5 m with gaps between."""
+    dash_gap_max_m: float = 0.2
+    """Gaps in dashed walls have one to three cells, and not more than this unless a cell is larger."""
+    antialiased_chance: float = 0.12
+    """Chance of a floor whose walls, all or some, have grey edges, which are unknown, around an occupied core."""
+    rough_chance: float = 0.4
+    """Chance of a floor that was scanned, not drawn: rough walls, a few rays."""
+    rough_max: float = 0.2
+    rotated_chance: float = 0.75
+    """Chance of a floor that does not lie straight: by up to 6 degrees, two in five of them by up to 45."""
+    cell_m: float = 0.05
+
+    def __post_init__(self) -> None:
+        """Check every value against what can be drawn."""
+        _check(self, OFFICE_BOUNDS)
+        _check_order(self)
+
+
+def _check(settings: DataclassInstance, bounds: Bounds) -> None:
+    """Raise `SettingError` unless every value lies within its bounds, both included."""
+    for field in dataclasses.fields(settings):
+        value, (low, high) = getattr(settings, field.name), _bounds(field.name, bounds)
+        if not low <= value <= high:  # nan is not in any range
+            place = f"{type(settings).__name__}.{field.name}"
+            raise SettingError(f"{place}: wanted {low:g} to {high:g}, found {value}")
+
+
+def _bounds(name: str, bounds: Bounds) -> tuple[float, float]:
+    """Return least and most of a setting; 0 to 1 for chances and 0 to 1e4 for others that have no bounds."""
+    for key in (name, name.replace("_min", "").replace("_max", "")):
+        if key in bounds:
+            return bounds[key]
+    return CHANCE if "_chance" in name else (0.0, 1e4)
+
+
+def _check_order(settings: DataclassInstance) -> None:
+    """Raise `SettingError` if a setting that ends in `_max` is less than the one that ends in `_min`."""
+    values = {field.name: getattr(settings, field.name) for field in dataclasses.fields(settings)}
+    for low in (name for name in values if "_min" in name):
+        high = low.replace("_min", "_max")
+        if values[low] > values.get(high, math.inf):
+            place = f"{type(settings).__name__}.{high}"
+            raise SettingError(f"{place}: wanted at least {low} = {values[low]:g}, found {values[high]:g}")
+
+
+def chance(share: float, rng: np.random.Generator) -> bool:
+    """Whether something happens that does in that share of cases."""
+    return bool(rng.random() < share)
+
+
+def log_uniform(low: float, high: float, rng: np.random.Generator) -> float:
+    """Draw a value between the two, evenly on a logarithmic scale."""
+    return math.exp(rng.uniform(math.log(low), math.log(high)))
+
+
 CHANCE = (0.0, 1.0)
-BOUNDS: Mapping[str, tuple[float, float]] = MappingProxyType(
+APARTMENT_BOUNDS: Bounds = MappingProxyType(
     {
         "area_m2": (4.0, 2000.0),
         "aspect_max": (1.0, 4.0),
         "rooms": (1, 200),
         "rooms_spread": (0, 100),
         "room_side_min_m": (1.6, 10.0),  # a shared wall must hold the widest door and two jambs
-        "corridor_chance": CHANCE,
-        "corridor_min_m": (0.95, 3.0),
-        "corridor_max_m": (0.95, 3.0),
-        "wall_min_m": (0.1, 0.4),  # thinner walls would leak when they are turned
-        "wall_max_m": (0.1, 0.4),
-        "door_min_m": (0.7, 1.2),  # narrower doors may vanish at 20 cm
-        "door_max_m": (0.7, 1.2),
+        "corridor_m": (0.95, 3.0),
+        "wall_m": (0.1, 0.4),  # thinner walls would leak when they are turned
+        "door_m": (0.7, 1.2),  # narrower doors may vanish at 20 cm
         "jamb_m": (0.1, 1.0),
-        "door_corner_chance": CHANCE,
-        "extra_door_chance": CHANCE,
         "wall_pieces_per_m2": CHANCE,
         "free_pieces_per_m2": CHANCE,
         "aisle_m": (0.5, 4.0),
@@ -139,5 +329,48 @@ BOUNDS: Mapping[str, tuple[float, float]] = MappingProxyType(
         "rotation_deg": (-360.0, 360.0),
         "margin_m": (0.4, 10.0),
         "cell_m": (FINE_M, 0.2),
+    }
+)
+HOMES_AND_OFFICES: Bounds = MappingProxyType(
+    {
+        "unsure_from_m": (1.2, 10.0),
+        "rough_max": (0.0, 0.5),
+        "hollow_wall_m": (0.15, 0.6),
+        "dash_gap_max_m": (0.0, 0.3),
+    }
+)
+HOME_BOUNDS: Bounds = MappingProxyType(
+    {
+        "area_m2": (8.0, 1000.0),
+        "aspect_max": (1.0, 4.0),
+        "room_m2": (4.0, 200.0),
+        "room_side_min_m": (1.0, 5.0),
+        "corridor_m": (0.8, 3.0),
+        "wall_m": (0.075, 0.6),  # thinner walls would leak when they are turned
+        "door_m": (0.5, 1.2),
+        "wall_pieces_per_m2": CHANCE,
+        "free_pieces_per_m2": CHANCE,
+        "clutter_per_m2": (0.001, 3.0),
+        "wall_piece_clear_m": (0.0, 2.0),
+        "clutter_clear_m": (0.0, 2.0),
+        "shafts": (0.0, 20.0),
+        "windows": (0.0, 20.0),
+        "specks": (0.0, 100.0),
+        "unknown_max": (0.0, 0.9),
+        "cell_m": (0.025, 0.05),  # walls are drawn for cells no larger
+        **HOMES_AND_OFFICES,
+    }
+)
+OFFICE_BOUNDS: Bounds = MappingProxyType(
+    {
+        "length_m": (8.0, 200.0),
+        "corridors_max": (1, 12),
+        "corridor_m": (1.0, 8.0),
+        "room_depth_m": (2.0, 20.0),
+        "room_width_m": (1.8, 20.0),
+        "wall_m": (0.1, 0.6),
+        "door_m": (0.7, 1.3),
+        "cell_m": (0.025, 0.1),
+        **HOMES_AND_OFFICES,
     }
 )

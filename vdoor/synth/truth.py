@@ -1,32 +1,64 @@
-"""From cells and room numbers to a map with its truth: rooms in reach, and the doors that still join two of them."""
+"""A map and the truth about it: its rooms as far as they are in reach, the doors that join them; and their files."""
 
 from __future__ import annotations
 
+import dataclasses
+import io
+import json
 from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
 
 import numpy as np
+import yaml
 from numpy.typing import NDArray
+from PIL import Image
 from scipy import ndimage
 
+from vdoor.files import make_folder, write_whole
 from vdoor.frame import Frame
 from vdoor.grid import UNKNOWN, OccupancyGrid
-from vdoor.synth.canvas import Placed, Rooms
-from vdoor.synth.home_settings import Home
-from vdoor.synth.layout import Opened
-from vdoor.synth.made import SyntheticMap, TrueDoor
-from vdoor.synth.office_settings import Office
+from vdoor.synth.canvas import Cells, Placed, Rooms
+from vdoor.synth.layout import Gap, Opened
+from vdoor.synth.settings import Apartment, Home, Office
 
+GREY_OCCUPIED, GREY_UNKNOWN, GREY_FREE = 0, 205, 254
+OCCUPIED_THRESH, FREE_THRESH = 0.65, 0.196
+SCHEMA = 1
 MARGIN = 2
 """Unknown cells around what is known."""
 LEAST_M2 = 0.25
 """A room of which less is in reach is part of its neighbour."""
 
 
-def with_truth(
-    cells: NDArray[np.int8], placed: Placed, opened: Sequence[Opened], settings: Home | Office
-) -> SyntheticMap:
+@dataclass(frozen=True)
+class TrueDoor:
+    """A real door: from jamb to jamb in the middle of its wall, in metres of the map frame."""
+
+    start_m: tuple[float, float]
+    end_m: tuple[float, float]
+    width_m: float
+    rooms: tuple[int, int]
+    """Labels of the two rooms, the lower one first."""
+    unsure: bool = False
+    """An opening of which a person could not say whether it parts two rooms: found or not, it counts for nobody."""
+
+
+@dataclass(frozen=True, eq=False)
+class SyntheticMap:
+    """A map and the truth about it."""
+
+    grid: OccupancyGrid
+    rooms: Rooms
+    """Room of each free cell (h, w), from 1; 0 where not free, free but out of reach of the rooms, or within a wall."""
+    doors: tuple[TrueDoor, ...]
+    settings: Apartment | Home | Office
+
+
+def with_truth(cells: Cells, placed: Placed, opened: Sequence[Opened], settings: Home | Office) -> SyntheticMap:
     """Return the map cut to what is known, rooms numbered anew from 1, and doors where two of them touch."""
-    rooms = _in_reach(placed.rooms)
+    rooms = in_reach(placed.rooms, placed.rooms > 0)
     doors = [door for door in opened if _touch(rooms, door, placed)]
     rooms, doors = _joined_where_tiny(rooms, doors, placed.cell_m)
     known = [np.flatnonzero((cells != UNKNOWN).any(axis=axis)) for axis in (1, 0)]
@@ -38,17 +70,19 @@ def with_truth(
     shift = np.array([MARGIN - top, MARGIN - left])
     grid = OccupancyGrid.from_array(cut_cells, placed.cell_m)
     label = {number: k + int(numbers[0] != 0) for k, number in enumerate(numbers.tolist())}
-    return SyntheticMap(
-        grid, numbered, tuple(_true_door(door, placed, grid.frame, shift, label) for door in doors), settings
-    )
+    ends_m = [grid.frame.world_from_cell(placed.cells_from_plan(door.gap.ends) + shift) for door in doors]
+    found = [
+        true_door(door.gap, ends, [label[room] for room in door.rooms])
+        for door, ends in zip(doors, ends_m, strict=True)
+    ]
+    return SyntheticMap(grid, numbered, tuple(found), settings)
 
 
-def _in_reach(rooms: Rooms) -> Rooms:
-    """Return the rooms without what is not 4-connected to most of them."""
-    part, _ = ndimage.label(rooms > 0)
-    sizes = np.bincount(part.ravel())
-    sizes[0] = 0
-    return np.where(part == sizes.argmax(), rooms, 0).astype(np.int32)
+def in_reach(rooms: Rooms, free: NDArray[np.bool_]) -> Rooms:
+    """Return the rooms without what is not 4-connected to most of them over free cells."""
+    part, _ = ndimage.label(free)
+    main = np.bincount(part[rooms > 0], minlength=1).argmax()
+    return np.where(part == main, rooms, 0).astype(np.int32)
 
 
 def _touch(rooms: Rooms, door: Opened, placed: Placed) -> bool:
@@ -77,9 +111,82 @@ def _joined_where_tiny(rooms: Rooms, doors: list[Opened], cell_m: float) -> tupl
     return name[rooms].astype(np.int32), [Opened(gap, (a, b)) for gap, (a, b) in pairs if a != b]
 
 
-def _true_door(door: Opened, placed: Placed, frame: Frame, shift: NDArray[np.intp], label: dict[int, int]) -> TrueDoor:
-    """Return a gap of the plan in the frame of the map that was cut out, with the final labels of its rooms."""
-    gap = door.gap
-    start, end = np.round(frame.world_from_cell(placed.cells_from_plan(gap.ends) + shift), 6).tolist()
-    a, b = sorted(label[room] for room in door.rooms)
+def true_door(gap: Gap, ends_m: NDArray[np.float64], rooms: Sequence[int]) -> TrueDoor:
+    """Return a gap of the plan as a door from end to end (2, 2) in the map frame, between rooms of these labels."""
+    start, end = np.round(ends_m, 6).tolist()
+    a, b = sorted(rooms)
     return TrueDoor(tuple(start), tuple(end), round(gap.width_m, 6), (a, b), unsure=gap.unsure)
+
+
+def write_synthetic(made: SyntheticMap, path_stem: Path, *, seed: int | None = None) -> tuple[Path, ...]:
+    """Write STEM.pgm, STEM.yaml, STEM_truth.png (16 bit, 0 = no room) and STEM_truth.json; return their paths.
+
+    The folder is made if it is missing. Each file appears under its name only when it is whole. `seed` is noted in
+    the JSON. Raises `VdoorError` if the place cannot be written to.
+    """
+    contents = {
+        f"{path_stem.name}.pgm": _pgm(made),
+        f"{path_stem.name}_truth.png": _png(made),
+        f"{path_stem.name}_truth.json": (json.dumps(_truth(made, seed=seed), indent=1) + "\n").encode(),
+        f"{path_stem.name}.yaml": _yaml(made, f"{path_stem.name}.pgm"),
+    }
+    make_folder(path_stem.parent)
+    return tuple(write_whole(path_stem.with_name(name), content) for name, content in contents.items())
+
+
+def _truth(made: SyntheticMap, *, seed: int | None = None) -> dict[str, Any]:
+    """Return the truth for the JSON: rooms with areas, doors in metres and in cells (row, col), settings, seed."""
+    frame = made.grid.frame
+    numbers, counts = np.unique(made.rooms[made.rooms > 0], return_counts=True)
+    return {
+        "schema": SCHEMA,
+        "resolution_m": frame.resolution_m,
+        "size": {"height": frame.height, "width": frame.width},
+        "origin": [frame.x_m, frame.y_m, frame.yaw_rad],
+        "seed": seed,
+        "settings": dataclasses.asdict(made.settings),
+        "rooms": [
+            {"id": number, "area_m2": round(count * frame.resolution_m**2, 6)}
+            for number, count in zip(numbers.tolist(), counts.tolist(), strict=True)
+        ],
+        "doors": [_door(door, frame) for door in made.doors],
+    }
+
+
+def _door(door: TrueDoor, frame: Frame) -> dict[str, Any]:
+    """Return a door's fields, and its ends in cells; `unsure` is there only where it is true."""
+    start, end = frame.cell_from_world(np.array([door.start_m, door.end_m])).round(6).tolist()
+    fields = {name: value for name, value in dataclasses.asdict(door).items() if name != "unsure" or value}
+    return fields | {"start_cell": start, "end_cell": end}
+
+
+def _pgm(made: SyntheticMap) -> bytes:
+    """Return the map as a binary PGM in map_server's three greys."""
+    grid = made.grid
+    grey = np.where(grid.occupied, GREY_OCCUPIED, np.where(grid.free, GREY_FREE, GREY_UNKNOWN)).astype(np.uint8)
+    return f"P5\n{grey.shape[1]} {grey.shape[0]}\n255\n".encode() + grey.tobytes()
+
+
+def _png(made: SyntheticMap) -> bytes:
+    """Return the labels as a PNG of 16 bits."""
+    buffer = io.BytesIO()
+    Image.fromarray(made.rooms.astype(np.uint16)).save(buffer, format="png")
+    return buffer.getvalue()
+
+
+def _yaml(made: SyntheticMap, image: str) -> bytes:
+    """Return the description that map_server reads beside the image."""
+    frame = made.grid.frame
+    return yaml.safe_dump(
+        {
+            "image": image,
+            "mode": "trinary",
+            "resolution": frame.resolution_m,
+            "origin": [frame.x_m, frame.y_m, frame.yaw_rad],
+            "negate": 0,
+            "occupied_thresh": OCCUPIED_THRESH,
+            "free_thresh": FREE_THRESH,
+        },
+        sort_keys=False,
+        default_flow_style=None,
+    ).encode()

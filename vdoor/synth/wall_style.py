@@ -1,4 +1,4 @@
-"""In what hand the walls of one map are drawn: solid, as outlines, in pieces, with grey edges."""
+"""How the walls of one map are drawn: solid, as outlines, in pieces, or with grey edges."""
 
 from __future__ import annotations
 
@@ -10,8 +10,7 @@ from typing import Literal, TypeVar
 import numpy as np
 
 from vdoor.grid import FREE, UNKNOWN
-from vdoor.synth.home_settings import Home
-from vdoor.synth.office_settings import Office
+from vdoor.synth.settings import Home, Office, chance, log_uniform
 
 Part = Literal["all", "inner", "rooms"]
 Kind = TypeVar("Kind", Home, Office)
@@ -73,16 +72,16 @@ class Style:
 def drawn_style(settings: Home | Office, rng: np.random.Generator) -> Style:
     """Return how one map's walls are drawn: mostly solid."""
     for_part, for_hollow, for_gaps, for_grey = rng.spawn(4)
-    hollow = _hollow(settings, for_hollow) if rng.random() < settings.hollow_chance else None
-    dashed = rng.random() < settings.dashed_chance
-    antialiased = rng.random() < settings.antialiased_chance
+    hollow = _hollow(settings, for_hollow) if chance(settings.hollow_chance, rng) else None
+    dashed = chance(settings.dashed_chance, rng)
+    antialiased = chance(settings.antialiased_chance, rng)
     part: Part = "all"
-    if for_part.random() < 0.5:  # noqa: PLR2004  # either all walls or a part of them
-        part = "inner" if for_part.random() < 0.5 else "rooms"  # noqa: PLR2004
+    if chance(0.5, for_part):  # either all walls or a part of them
+        part = "inner" if chance(0.5, for_part) else "rooms"
     gaps = None
     if dashed:
         gaps = _gaps(math.floor(settings.dash_gap_max_m / settings.cell_m + 1e-6), for_gaps)
-    elif hollow and for_gaps.random() < BROKEN_CHANCE:
+    elif hollow and chance(BROKEN_CHANCE, for_gaps):
         gaps = dataclasses.replace(_gaps(2, for_gaps), free_share=0.0, face=hollow.fill)
     return Style(part, hollow, gaps, _grey(for_grey) if antialiased else None)
 
@@ -102,16 +101,16 @@ def _thinnest(settings: Home | Office) -> float:
 def _hollow(settings: Home | Office, rng: np.random.Generator) -> Hollow:
     """Return outlines of one cell, or two in one drawing of four, around what is free or unknown."""
     thick_m = rng.uniform(_thinnest(settings), settings.hollow_wall_max_m)
-    fill = FREE if rng.random() < 0.6 else UNKNOWN  # noqa: PLR2004  # unknown inside is common in other maps as well
-    return Hollow(thick_m, fill, 2 if rng.random() < 0.25 else 1)  # noqa: PLR2004
+    fill = FREE if chance(0.6, rng) else UNKNOWN  # unknown inside is common in other maps as well
+    return Hollow(thick_m, fill, 2 if chance(0.25, rng) else 1)
 
 
 def _gaps(cells_most: int, rng: np.random.Generator) -> Gaps:
     """Return pieces of one length, more or less, and gaps of up to three cells, `cells_most` at most."""
-    piece_m = math.exp(rng.uniform(math.log(PIECE_M[0]), math.log(PIECE_M[1])))
+    piece_m = log_uniform(PIECE_M[0], PIECE_M[1], rng)
     most = int(rng.integers(1, min(max(cells_most, 1), 3) + 1))
     return Gaps(piece_m, most, float(rng.choice([0.0, 0.5, 0.8, 1.0])), UNKNOWN)
 
 
 def _grey(rng: np.random.Generator) -> Grey:
-    return Grey(rng.uniform(*BLUR_CELLS), rng.uniform(*GREY_BELOW), bool(rng.random() < DOTTED_CHANCE))
+    return Grey(rng.uniform(*BLUR_CELLS), rng.uniform(*GREY_BELOW), chance(DOTTED_CHANCE, rng))

@@ -1,4 +1,4 @@
-"""What stands on floors: furniture against walls and free, legs and clutter, leaves of doors and what flanks them."""
+"""What stands on the floors of homes and offices: furniture, clutter, open doors; none of it cuts a door off."""
 
 from __future__ import annotations
 
@@ -6,10 +6,11 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
+from scipy import ndimage
 
-from vdoor.synth.canvas import Shape, box, turned_box
-from vdoor.synth.layout import Gap, fine
-from vdoor.synth.plan import Axis, Rect
+from vdoor.synth.canvas import Axis, Canvas, Rect, Shape, around, box, fine, square_to, turned_box
+from vdoor.synth.layout import Drawn, Gap
+from vdoor.synth.settings import chance
 
 LEAF_M = 0.05
 PASSAGE_M = 0.6
@@ -25,16 +26,16 @@ def against_wall(
 
     A jagged one has a front of several depths, as where things stand side by side.
     """
-    along: Axis = 0 if rng.random() < 0.5 else 1  # noqa: PLR2004  # either wall
-    across: Axis = 1 if along == 0 else 0
+    along: Axis = 0 if chance(0.5, rng) else 1  # either wall
+    across = square_to(along)
     length, depth = fine(rng.uniform(*length_m)), fine(rng.uniform(*depth_m))
     slack = floor.sides[along] - length
     if slack < 0 or floor.sides[across] - depth < PASSAGE_M:
         return []
     offset = rng.uniform(-0.3, 1.3) * slack  # what would go through a wall stands in the corner
     start = fine(floor.low[along] + min(max(offset, 0.0), slack))
-    upper = rng.random() < 0.5  # noqa: PLR2004  # either side
-    count = int(rng.integers(2, 6)) if rng.random() < jagged_chance else 1
+    upper = chance(0.5, rng)  # either side
+    count = int(rng.integers(2, 6)) if chance(jagged_chance, rng) else 1
     bounds = [start, *np.sort(rng.uniform(start, start + length, size=count - 1)).tolist(), start + length]
     depths = depth * rng.uniform(0.4, 1.0, size=count) if count > 1 else [depth]
     low, high = floor.low[across], floor.high[across]
@@ -53,36 +54,36 @@ def free_standing(floor: Rect, side_m: Span, rng: np.random.Generator, *, turned
     if min(room) < 0:
         return None
     x, y = (floor.low[k] + 0.4 + sides[k] / 2 + rng.uniform(0.0, 1.0) * room[k] for k in (0, 1))
-    return turned_box((x, y), sides, rng.uniform(0.0, math.pi) if rng.random() < turned_chance else 0.0)
+    return turned_box((x, y), sides, rng.uniform(0.0, math.pi) if chance(turned_chance, rng) else 0.0)
 
 
-def legs(around: Shape, leg_m: float) -> list[Shape]:
+def legs(outline: Shape, leg_m: float) -> list[Shape]:
     """Return what touches the floor of a table or chair of that outline."""
-    middle = around.mean(axis=0)
-    return [turned_box(tuple(middle + 0.9 * (corner - middle)), (leg_m, leg_m)) for corner in around]
+    middle = outline.mean(axis=0)
+    return [turned_box(tuple(middle + 0.9 * (corner - middle)), (leg_m, leg_m)) for corner in outline]
 
 
 def clutter(floor: Rect, rng: np.random.Generator) -> Shape:
     """Return something small anywhere on a floor."""
     x, y = (rng.uniform(floor.low[k], floor.high[k]) for k in (0, 1))
-    if rng.random() < 0.2:  # noqa: PLR2004  # a cable, a broom
+    if chance(0.2, rng):  # a cable, a broom
         return turned_box((x, y), (rng.uniform(0.2, 0.7), LEAF_M), rng.uniform(0.0, math.pi))
     return turned_box((x, y), (rng.uniform(0.04, 0.14), rng.uniform(0.04, 0.14)), rng.uniform(0.0, math.pi))
 
 
 def shaft(floor: Rect, rng: np.random.Generator) -> list[Rect]:
     """Return a box in a corner of a room, or on one of its walls."""
-    if rng.random() < 0.3:  # noqa: PLR2004  # not in the corner
+    if chance(0.3, rng):  # not in the corner
         return against_wall(floor, (0.2, 0.8), (0.1, 0.4), rng)
     sides = [min(fine(rng.uniform(0.2, 0.9)), floor.sides[k] / 3) for k in (0, 1)]
-    low = [floor.low[k] if rng.random() < 0.5 else floor.high[k] - sides[k] for k in (0, 1)]  # noqa: PLR2004
+    low = [floor.low[k] if chance(0.5, rng) else floor.high[k] - sides[k] for k in (0, 1)]
     return [Rect((low[0], low[1]), (low[0] + sides[0], low[1] + sides[1]))]
 
 
 def leaf(gap: Gap, rng: np.random.Generator) -> Shape:
     """Return a door's open leaf: from one jamb into one of the rooms, mostly at a right angle to the wall."""
-    sign, end = (1 if rng.random() < 0.5 else -1 for _ in range(2))  # noqa: PLR2004  # either
-    angle = math.pi / 2 + rng.normal(0.0, 0.12) if rng.random() < 0.7 else rng.uniform(1.05, 2.6)  # noqa: PLR2004
+    sign, end = (1 if chance(0.5, rng) else -1 for _ in range(2))  # either
+    angle = math.pi / 2 + rng.normal(0.0, 0.12) if chance(0.7, rng) else rng.uniform(1.05, 2.6)
     face = (gap.rect.high if sign > 0 else gap.rect.low)[gap.axis]
     hinge = (gap.rect.high if end > 0 else gap.rect.low)[gap.along] - end * LEAF_M / 2
     way = np.array([math.sin(angle) * sign, -math.cos(angle) * end])  # across and along the wall; 0 would be shut
@@ -95,9 +96,9 @@ def leaf(gap: Gap, rng: np.random.Generator) -> Shape:
 
 def niche(gap: Gap, rng: np.random.Generator) -> list[Shape]:
     """Return what stands beside a door on one side of the wall, flush with a jamb, or with both."""
-    sign = 1 if rng.random() < 0.5 else -1  # noqa: PLR2004  # either
+    sign = 1 if chance(0.5, rng) else -1  # either
     face = (gap.rect.high if sign > 0 else gap.rect.low)[gap.axis]
-    ends = [-1, 1] if rng.random() < 0.3 else [1 if rng.random() < 0.5 else -1]  # noqa: PLR2004
+    ends = [-1, 1] if chance(0.3, rng) else [1 if chance(0.5, rng) else -1]
     depth = fine(rng.uniform(0.1, 0.6))
     found = []
     for end in ends:
@@ -109,6 +110,32 @@ def niche(gap: Gap, rng: np.random.Generator) -> list[Shape]:
 
 def clear_of(shape: Shape, zones: Sequence[Rect]) -> bool:
     """Whether the box around a shape overlaps none of the zones."""
-    low, high = shape.min(axis=0), shape.max(axis=0)
-    around = Rect((low[0], low[1]), (high[0], high[1]))
-    return not any(around.overlaps(zone) for zone in zones)
+    return not any(around(shape).overlaps(zone) for zone in zones)
+
+
+def keep_passable(plan: Drawn, things: Sequence[tuple[Rect, Shape]]) -> None:
+    """Block the canvas with things (each with the floor it stands on), but no floor's where that cuts a door off."""
+    canvas, opened = plan.canvas, plan.opened
+    banned: set[Rect] = set()
+    for _ in range(4):
+        canvas.rooms[:] = plan.floor.rooms
+        for floor, shape in things:
+            if floor not in banned:
+                canvas.block(shape)
+        part, _ = ndimage.label(canvas.rooms[::2, ::2])
+        small = Canvas(part.astype(np.int32))
+        met = [_parts_before(small, door.gap) for door in opened]
+        counts = np.bincount([part for parts in met for part in parts], minlength=2)
+        counts[0] = 0
+        main = int(counts.argmax())
+        cut = [door.gap for door, parts in zip(opened, met, strict=True) if parts != (main, main)]
+        more = {floor for floor, _ in things if any(floor.overlaps(gap.clear(0.3)) for gap in cut)} - banned
+        if not more:
+            return
+        banned |= more
+
+
+def _parts_before(half: Canvas, gap: Gap) -> tuple[int, int]:
+    """Return what is 20 cm before both sides of a gap, on a canvas of half the resolution."""
+    below, above = (tuple(x / 2 for x in gap.before(sign, 0.2)) for sign in (-1, 1))
+    return half.at((below[0], below[1])), half.at((above[0], above[1]))
