@@ -251,8 +251,8 @@ def _scores(plan: Plan, run: Run) -> None:
         plan.lines(start[[row]], end[[row]], style.odds(scores.log_odds[row]), meaning, wide=3.0, over=4)
     pairs = np.stack([scores.rival_a, scores.rival_b], axis=1)
     middle = (start + end) / 2
-    plan.lines(middle[pairs[:, 0]], middle[pairs[:, 1]], style.RIVALS, f"conflict ({len(pairs)})", wide=1.5, over=5)
-    plan.dots(middle[np.unique(pairs)], style.RIVALS, size=4)
+    plan.lines(middle[pairs[:, 0]], middle[pairs[:, 1]], style.CONFLICTS, f"conflict ({len(pairs)})", wide=1.5, over=5)
+    plan.dots(middle[np.unique(pairs)], style.CONFLICTS, size=4)
 
 
 def _initial_map(plan: Plan, run: Run) -> None:

@@ -67,7 +67,7 @@ def test_settings_are_all_there() -> None:
         assert all(f"\n| `{field.name}` |" in text for field in dataclasses.fields(kind))
     for preset in PRESETS.values():
         assert all(f"## `{stage}`\n" in text for stage in settings_of(preset, METHODS))
-    assert "| `max_island_m` | `1.0` | `0.0` | 0 to 100 | Obstacles standing free" in text
+    assert "| `max_island_m` | `1.0` | `0.0` | 0 to 100 | Free-standing obstacles" in text
 
 
 def test_commands_are_all_there() -> None:

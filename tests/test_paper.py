@@ -199,7 +199,7 @@ def test_existing_files_stay_without_force(tmp_path: Path) -> None:
         (("--apartments", "0"), "--apartments"),
         (("--graphs", "many"), "--graphs"),
         (("--seed", "-1"), "--seed"),
-        (("--rrd",), "wanted a folder"),
+        (("--rrd",), "wanted --out with a folder"),
         (("--out", __file__), "found a file"),
     ],
 )

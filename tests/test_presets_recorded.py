@@ -251,7 +251,7 @@ def test_scores_and_certificate_are_drawn(two_rooms: Path, tmp_path: Path) -> No
     called("replay", two_rooms, "--save", path)
     rows, scores = entities(path), history(two_rooms).scores
     assert rows["/tables/door_scores"] == rows["/tables/door_features"] == len(scores.door)
-    layers = ("likely", "unlikely", "outdone", "rivals")
+    layers = ("likely", "unlikely", "outdone", "conflicts")
     assert {name: rows[f"/map/scores/{name}"] for name in layers} == dict.fromkeys(layers, 1)
     assert rows["/certificate"] == 1
     assert rows["/plots/search/bound"] == 2 + 1  # its ends, and its colour

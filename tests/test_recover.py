@@ -67,12 +67,12 @@ def test_a_whole_recording_comes_back_byte_by_byte(tmp_path: Path, vdoor: Comman
     assert (tmp_path / "fixed.mcap").read_bytes() == path.read_bytes()
 
 
-def test_of_300_flipped_bits_each_costs_at_most_the_stage_it_is_in(tmp_path: Path) -> None:
+def test_of_200_flipped_bits_each_costs_at_most_the_stage_it_is_in(tmp_path: Path) -> None:
     path = small(tmp_path / "small.mcap")
     whole, chunks = path.read_bytes(), spans(path)
     rng = np.random.default_rng(0)
     steps = set(range(len(small_run()[1])))
-    for _ in range(300):
+    for _ in range(200):
         at, bit = int(rng.integers(len(whole))), 1 << int(rng.integers(8))
         damaged = bytearray(whole)
         damaged[at] ^= bit
@@ -209,7 +209,7 @@ PIPELINE(records[0], np.random.default_rng(info.seed), emit)
 
 def test_a_run_that_is_killed_leaves_every_stage_it_finished(tmp_path: Path, vdoor: Command) -> None:
     info, records = small_run()
-    for step in range(len(records)):
+    for step in (0, len(records) // 2, len(records) - 2):
         path = tmp_path / f"killed{step}.mcap"
         done = subprocess.run([sys.executable, "-c", KILLED, path, str(step)], cwd=HERE, check=False)
         assert done.returncode == -signal.SIGKILL
