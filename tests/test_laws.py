@@ -144,6 +144,16 @@ def test_the_laws_hold_on_cracks_too(move: Move, cells: Cells) -> None:
         assert getattr(one, aspect)() == getattr(other, aspect)(), aspect
 
 
+@pytest.mark.xfail(strict=True, reason="of two equally sharp samples on a jagged wall the mirrored map takes the other")
+def test_a_transposed_jag_on_cracks_has_the_same_doors() -> None:
+    """A case of the law above that fails: the path between two corners is a sample shorter, so they are of one wall."""
+    cells = np.zeros((20, 6), np.int8)
+    cells[5:9, :2] = cells[11:13, :2] = cells[13, 0] = 100
+    transpose = next(move for move in MOVES if move.name == "transpose")
+    before, after = (stages(OccupancyGrid.from_array(each, 0.05), FINE) for each in (cells, transpose.cells(cells)))
+    assert Seen(before, transpose, cells.shape).doors() == Seen(after, None, cells.shape).doors()
+
+
 class Counting:
     """A sink that keeps what it is given."""
 

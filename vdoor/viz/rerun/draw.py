@@ -173,10 +173,13 @@ def draw_doors(scene: Scene, doors: VirtualDoors) -> None:
 
 
 def draw_any(scene: Scene, record: Record) -> None:
-    """Draw a record without a function of its own: its rasters as pictures, its tables as rows."""
+    """Draw a record without a function of its own: rasters as pictures, rows that lie in cells as dots, tables as rows."""
     for name, (spec, _) in specs(type(record)).items():
+        place, values = f"other/{record.topic}/{name}", np.asarray(getattr(record, name))
         if spec.kind in RASTERS:
-            scene.raster(f"other/{record.topic}/{name}", np.asarray(getattr(record, name)).astype(np.uint16))
+            scene.raster(place, values.astype(np.uint16))
+        elif spec.kind == "cell":
+            scene.log(place, rr.Points2D(pixels(values), colors=style.CONVEX, radii=0.3, draw_order=20.0))
     for name in tables(type(record)):
         table(scene, record, name)
 
