@@ -173,7 +173,7 @@ def draw_doors(scene: Scene, doors: VirtualDoors) -> None:
 
 
 def draw_any(scene: Scene, record: Record) -> None:
-    """Draw a record without a function of its own: rasters as pictures, rows that lie in cells as dots, tables as rows."""
+    """Draw any record: rasters as pictures, rows that lie in cells as dots, tables as rows."""
     for name, (spec, _) in specs(type(record)).items():
         place, values = f"other/{record.topic}/{name}", np.asarray(getattr(record, name))
         if spec.kind in RASTERS:
