@@ -7,7 +7,6 @@ import functools
 import json
 import tempfile
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -19,10 +18,11 @@ from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 from vdoor import export
+from vdoor.history import History
 from vdoor.pipeline import RECORDS
 from vdoor.record import specs
 from vdoor.recording.mcap import read_recording
-from vdoor.viz.charts import drawing, to_png
+from vdoor.viz.charts import drawing, rgb, to_png
 from vdoor.viz.rerun import style
 
 MAP = Path("recordings/furnished.yaml")
@@ -42,25 +42,13 @@ NAMEPLATE = {"boxstyle": "round", "facecolor": "white", "edgecolor": "none", "al
 Cells = NDArray[Any]
 
 
-@dataclass(frozen=True)
-class Run:
-    """What a recording holds: each stage's record by its topic, and all generations of the search."""
-
-    records: dict[str, Any]
-    generations: list[Any]
-
-    def __getattr__(self, topic: str) -> Any:
-        """The record of a stage."""
-        return self.records[topic]
-
-
 def drawn(name: str) -> bytes:
     """One picture as a PNG; `PICTURES` has the names."""
     return PICTURES[name]()
 
 
 @functools.cache
-def _runs() -> tuple[Run, Run]:
+def _runs() -> tuple[History, History]:
     """The example map by the presets `default` and `paper`, as their recordings have it."""
     with tempfile.TemporaryDirectory() as folder:
         blocks.ready(Path(folder))
@@ -68,17 +56,8 @@ def _runs() -> tuple[Run, Run]:
         for preset in ("default", "paper"):
             line = f"vdoor run {MAP} --preset {preset} --mcap {preset}.mcap --out {preset} --quiet"
             blocks.run(blocks.Step("sh", line, 0, 0), Path(folder))
-            both.append(_read(Path(folder) / f"{preset}.mcap"))
+            both.append(History.read(read_recording(Path(folder) / f"{preset}.mcap", types=RECORDS)))
         return both[0], both[1]
-
-
-def _read(path: Path) -> Run:
-    records, generations = {}, []
-    for _, record in read_recording(path, types=RECORDS):
-        records[record.topic] = record
-        if record.topic == "generation":
-            generations.append(record)
-    return Run(records, generations)
 
 
 class Plan:
@@ -102,7 +81,7 @@ class Plan:
 
     def dots(self, places: Cells, colour: Sequence[int], meaning: str = "", *, size: float = 5.0) -> None:
         """A dot at each place."""
-        self.axes.scatter(places[:, 1], places[:, 0], s=size**2, color=_rgb(colour), linewidths=0, zorder=4)
+        self.axes.scatter(places[:, 1], places[:, 0], s=size**2, color=rgb(colour), linewidths=0, zorder=4)
         self._mean(meaning, colour, marker="o", linestyle="none")
 
     def lines(
@@ -110,12 +89,12 @@ class Plan:
     ) -> None:
         """A line from each start to its end."""
         columns, rows = (np.stack([start[:, axis], end[:, axis]]) for axis in (1, 0))
-        self.axes.plot(columns, rows, color=_rgb(colour), linewidth=wide, solid_capstyle="round", zorder=over)
+        self.axes.plot(columns, rows, color=rgb(colour), linewidth=wide, solid_capstyle="round", zorder=over)
         self._mean(meaning, colour, linewidth=2)
 
     def arrow(self, start: Cells, by: Cells, colour: Sequence[int], meaning: str = "") -> None:
         """An arrow from a place by a vector."""
-        look = {"arrowstyle": "-|>", "color": _rgb(colour), "linewidth": 2.0, "shrinkA": 0, "shrinkB": 0}
+        look = {"arrowstyle": "-|>", "color": rgb(colour), "linewidth": 2.0, "shrinkA": 0, "shrinkB": 0}
         row, col = start + by
         self.axes.annotate("", (col, row), (start[1], start[0]), arrowprops=look, zorder=5)
         self._mean(meaning, colour, linewidth=2)
@@ -126,15 +105,10 @@ class Plan:
 
     def _mean(self, meaning: str, colour: Sequence[int], **look: Any) -> None:
         if meaning and meaning not in [one.get_label() for one in self.meanings]:
-            self.meanings.append(Line2D([], [], color=_rgb(colour), label=meaning, markersize=7, **look))
+            self.meanings.append(Line2D([], [], color=rgb(colour), label=meaning, markersize=7, **look))
 
 
-def _rgb(colour: Sequence[int]) -> tuple[float, float, float]:
-    red, green, blue = (part / 255 for part in colour[:3])
-    return red, green, blue
-
-
-def _plan(draw: Callable[[Plan, Run], None]) -> bytes:
+def _plan(draw: Callable[[Plan, History], None]) -> bytes:
     """The map with what a stage found on it, and below it what the colours mean."""
     run, _ = _runs()
     window = _window(run.simplified.cells)
@@ -167,7 +141,7 @@ def _words(record: Any, field: str) -> tuple[str, ...]:
     return specs(type(record))[field][0].words
 
 
-def _input(plan: Plan, run: Run) -> None:
+def _input(plan: Plan, run: History) -> None:
     cells = run.input.cells
     for where, colour, meaning in (
         (cells < 0, UNKNOWN, ""),
@@ -177,29 +151,21 @@ def _input(plan: Plan, run: Run) -> None:
         plan.over(where, colour, meaning)
 
 
-def _simplified(plan: Plan, run: Run) -> None:
+def _simplified(plan: Plan, run: History) -> None:
     found = run.simplified
-    colours = {
-        "unreachable": style.UNREACHABLE,
-        "jut": style.JUT,
-        "notch": style.NOTCH,
-        "island": style.ISLAND,
-        "thin unknown": style.THIN_UNKNOWN,
-        "slit": style.SLIT,
-    }
     for number, name in enumerate(_words(found, "reason")):
         if number and (found.reason == number).any():
-            plan.over(found.reason == number, colours[name], name)
+            plan.over(found.reason == number, style.OF_REASON[name], name)
 
 
-def _boundary(plan: Plan, run: Run, *, faint: bool = False) -> None:
+def _boundary(plan: Plan, run: History, *, faint: bool = False) -> None:
     path = run.path
     for ring in np.split(path.cell, path.first[1:]):
         after = np.roll(ring, -1, axis=0)
         plan.lines(ring, after, style.BOUNDARY, "" if faint else "path", wide=1.2 if faint else 2.0, over=2)
 
 
-def _path(plan: Plan, run: Run) -> None:
+def _path(plan: Plan, run: History) -> None:
     _boundary(plan, run)
     path = run.path
     plan.dots(path.cell, style.BOUNDARY, "sample", size=4)
@@ -209,12 +175,12 @@ def _path(plan: Plan, run: Run) -> None:
             plan.arrow(here - (ahead - here) * 0.6, (ahead - here) * 1.4, style.WALKER, "walker, wall on the left")
 
 
-def _candidates(plan: Plan, run: Run) -> None:
+def _candidates(plan: Plan, run: History) -> None:
     _boundary(plan, run, faint=True)
     _by_kind(plan, run.candidates.cell, run.candidates.convex)
 
 
-def _corners(plan: Plan, run: Run) -> None:
+def _corners(plan: Plan, run: History) -> None:
     _boundary(plan, run, faint=True)
     _by_kind(plan, run.corners.quarter / 4 - 0.5, run.corners.convex, size=8.0)
 
@@ -224,7 +190,7 @@ def _by_kind(plan: Plan, places: Cells, convex: Cells, *, size: float = 6.0) -> 
         plan.dots(places[chosen], colour, f"{meaning} ({chosen.sum()})", size=size)
 
 
-def _doors(plan: Plan, run: Run) -> None:
+def _doors(plan: Plan, run: History) -> None:
     found = run.doors
     for number, verdict in enumerate(_words(found, "verdict")):
         chosen = found.verdict == number
@@ -237,8 +203,8 @@ def _doors(plan: Plan, run: Run) -> None:
     plan.dots(run.corners.cell[convex], style.CONVEX, "convex corner", size=6)
 
 
-def _scores(plan: Plan, run: Run) -> None:
-    doors, scores = run.doors, run.door_scores
+def _scores(plan: Plan, run: History) -> None:
+    doors, scores = run.doors, run.scores
     judgements = _words(scores, "judgement")
     start, end = doors.start[scores.door], doors.end[scores.door]
     for number, name in enumerate(judgements):
@@ -255,8 +221,8 @@ def _scores(plan: Plan, run: Run) -> None:
     plan.dots(middle[np.unique(pairs)], style.CONFLICTS, size=4)
 
 
-def _initial_map(plan: Plan, run: Run) -> None:
-    found = run.initial_map
+def _initial_map(plan: Plan, run: History) -> None:
+    found = run.initial
     regions = len(found.area_m2)
     for region in range(1, regions + 1):
         plan.over(found.piece == region, style.room(region))
@@ -268,8 +234,8 @@ def _initial_map(plan: Plan, run: Run) -> None:
     plan.dots(middle, style.EDGE_MIDDLE, f"edge: door ({len(found.door)})")
 
 
-def _map(plan: Plan, run: Run) -> None:
-    found, frame = run.map, run.input.frame
+def _map(plan: Plan, run: History) -> None:
+    found, frame = run.topology, run.input.frame
     plan.over(run.input.cells >= 50, OCCUPIED)  # noqa: PLR2004  # the map as it was read
     for room in found.rooms:
         plan.over(found.labels == room.id, style.room(room.id))
@@ -310,11 +276,11 @@ def _curvature() -> bytes:
     angle_deg = np.degrees(found.angle_rad)
     with drawing(WIDE_IN, 3.2) as figure:
         axes = figure.subplots()
-        axes.plot(path.arc_m, angle_deg, color=_rgb(style.BETWEEN), linewidth=1.0)
+        axes.plot(path.arc_m, angle_deg, color=rgb(style.BETWEEN), linewidth=1.0)
         for convex, colour, meaning in ((False, style.CONCAVE, "concave"), (True, style.CONVEX, "convex")):
             chosen = candidates.sample[candidates.convex == convex]
-            axes.plot(path.arc_m[chosen], angle_deg[chosen], "o", color=_rgb(colour), markersize=4, label=meaning)
-        axes.axhline(155, color=_rgb(style.THRESHOLD), linewidth=1.2, label="155°")
+            axes.plot(path.arc_m[chosen], angle_deg[chosen], "o", color=rgb(colour), markersize=4, label=meaning)
+        axes.axhline(155, color=rgb(style.THRESHOLD), linewidth=1.2, label="155°")
         axes.set(xlabel="along the path, m", ylabel="angle between f and b, degrees", xlim=(0, PLOT_M))
         figure.legend(loc="outside lower center", ncols=3, fontsize=10)
         return to_png(figure)
@@ -323,20 +289,20 @@ def _curvature() -> bytes:
 def _search() -> bytes:
     """Cost of the population, generation by generation, by the paper's search."""
     _, run = _runs()
-    number = [one.number for one in run.generations]
+    number = [one.number for one in run.search]
     with drawing(WIDE_IN, 3.2) as figure:
         axes = figure.subplots()
         for name, colour in (("worst", style.WORST), ("mean", style.MEAN), ("best", style.BEST)):
-            costs = [getattr(one, f"{name}_cost") for one in run.generations]
-            axes.plot(number, costs, color=_rgb(colour), linewidth=1.8, label=name)
+            costs = [getattr(one, f"{name}_cost") for one in run.search]
+            axes.plot(number, costs, color=rgb(colour), linewidth=1.8, label=name)
         axes.set(xlabel="generation", ylabel="cost (eq. 7)", xlim=(0, number[-1]))
         axes.legend(fontsize=10)
         return to_png(figure)
 
 
-def _route(plan: Plan, run: Run) -> None:
+def _route(plan: Plan, run: History) -> None:
     plan.over(run.input.cells >= 50, OCCUPIED)  # noqa: PLR2004  # the map as it was read
-    features = json.loads(export.to_nav2_route(run.map))["features"]
+    features = json.loads(export.to_nav2_route(run.topology))["features"]
     at = {
         one["properties"]["id"]: np.array(one["geometry"]["coordinates"], np.float64)
         for one in features
@@ -345,14 +311,14 @@ def _route(plan: Plan, run: Run) -> None:
     edges = [one["properties"] for one in features if "startid" in one["properties"]]
     ends = [run.input.frame.cell_from_world(np.array([at[one[end]] for one in edges])) for end in ("startid", "endid")]
     plan.lines(ends[0], ends[1], style.DOOR, "edge")
-    rooms = {room.id for room in run.map.rooms}
+    rooms = {room.id for room in run.topology.rooms}
     for chosen, colour, meaning, size in ((True, style.NODE, "room", 9), (False, style.EDGE_MIDDLE, "door or bend", 6)):
         places = np.array([place for number, place in at.items() if (number in rooms) == chosen])
         plan.dots(run.input.frame.cell_from_world(places), colour, meaning, size=size)
 
 
-def _keepout(plan: Plan, run: Run) -> None:
-    mask = export.to_keepout(run.map, rooms=[2])
+def _keepout(plan: Plan, run: History) -> None:
+    mask = export.to_keepout(run.topology, rooms=[2])
     plan.over(mask.cells == 0, OCCUPIED, "closed to the robot")
     plan.over(mask.cells > 0, FREE, "room 2, open")
     plan.lines(np.zeros((0, 2)), np.zeros((0, 2)), style.DOOR)

@@ -21,7 +21,7 @@ from vdoor.editing.split_room import line_cells, within
 from vdoor.errors import SettingError
 from vdoor.grid import OCCUPIED, OccupancyGrid
 from vdoor.method.final_doors import to_segment_m
-from vdoor.raster.labels import contacts
+from vdoor.raster.components import contacts
 from vdoor.record import equal
 from vdoor.topology import TopologicalMap
 

@@ -22,7 +22,8 @@ from vdoor.grid import FREE, OccupancyGrid
 from vdoor.method.search.optimisers import AnnealingSearch
 from vdoor.method.simplify import SimplifyGrid
 from vdoor.pipeline import PRESETS, Pipeline
-from vdoor.raster.labels import contacts, flooded
+from vdoor.raster.components import contacts
+from vdoor.raster.labels import flooded
 from vdoor.synth import PRESETS as KINDS
 from vdoor.synth import SyntheticMap, synthesize
 from vdoor.topology import TopologicalMap

@@ -25,7 +25,7 @@ from vdoor.method.search.costs import MapCost
 from vdoor.method.search.generation import Generation
 from vdoor.method.search.incremental import FlipState
 from vdoor.method.search.optimisers import ExhaustiveSearch
-from vdoor.method.simplify import SimplifyGrid
+from vdoor.method.simplify import SimplifiedGrid, SimplifyGrid
 from vdoor.pipeline import RECORDS, Pipeline
 from vdoor.record import Record
 from vdoor.recording.mcap import McapSink, read_recording
@@ -277,3 +277,9 @@ def test_no_recording_is_one_line_and_exit_code_2(tmp_path: Path) -> None:
             error = called(command, path, *options, code=2).stderr
             assert len(error.splitlines()) == 1
             assert error.rstrip().endswith(str(path))
+
+
+def test_a_stage_that_was_not_recorded_is_named_with_the_file(tmp_path: Path) -> None:
+    path = recorded(tmp_path, drawn(TWO_ROOMS), PROVEN, until=SimplifiedGrid)
+    with pytest.raises(RecordingError, match=f"^stage doors: not recorded, the last one is simplified: {path}$"):
+        _ = history(path).doors

@@ -58,10 +58,11 @@ def shot(
 ) -> None:
     """Write a PNG picture of each stage; needs no screen."""
     from vdoor.files import make_folder, refuse_existing, write_whole
-    from vdoor.viz.rerun.blueprint import every_tab
+    from vdoor.pipeline import RECORDS
+    from vdoor.viz.rerun.blueprint import tabs_of
     from vdoor.viz.rerun.shot import shots
 
-    names = every_tab()
+    names = tabs_of(RECORDS, {})
     by_name = {tab.lower(): tab for tab in names}
     unknown = [name for name in stage or () if name.lower() not in by_name]
     if unknown:

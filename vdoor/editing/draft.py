@@ -13,7 +13,7 @@ from vdoor.editing.split_room import borders, clipped, parts, prolonged, room_of
 from vdoor.frame import Frame
 from vdoor.method.final_doors import Doors, doors_along, to_segment_m
 from vdoor.method.final_map import Features, map_of
-from vdoor.raster.labels import contacts
+from vdoor.raster.components import contacts
 from vdoor.topology import TopologicalMap
 
 Floats = NDArray[np.float64]

@@ -10,12 +10,10 @@ from dataclasses import astuple, dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
-from scipy.spatial import ConvexHull, QhullError, cKDTree
+from scipy.spatial import ConvexHull, QhullError
 
 from vdoor.evaluate.label_files import Labels, flooded
-from vdoor.raster.labels import contacts
+from vdoor.raster.components import contact_pieces, contacts
 
 FLOOD_M = 0.30
 """How far rooms are grown into unlabelled free cells to find where they touch."""
@@ -72,7 +70,8 @@ def contact_doors(labels: Labels, free: NDArray[np.bool_], resolution_m: float) 
     width their largest extent plus one cell.
     """
     places, rooms = contacts(flooded(labels, free, round(FLOOD_M / resolution_m)))
-    doors, piece = _pieces(places, rooms, GAP_M / resolution_m)
+    piece = contact_pieces(places, rooms, GAP_M / resolution_m)
+    doors = int(piece.max(initial=-1)) + 1
     cells = np.bincount(piece, minlength=doors)
     mean = np.stack([np.bincount(piece, along, minlength=doors) / cells for along in places.T], axis=1)
     borders = np.split(places[np.argsort(piece, kind="stable")], np.cumsum(cells)[:-1]) if doors else []
@@ -80,20 +79,6 @@ def contact_doors(labels: Labels, free: NDArray[np.bool_], resolution_m: float) 
     width_m = (np.hypot(*(ends[:, 1] - ends[:, 0]).T) + 1) * resolution_m
     found = Doors(centre_m=(mean[:, ::-1] + 0.5) * resolution_m, width_m=width_m, ends=ends)
     return found[width_m >= MIN_WIDTH_M]
-
-
-def _pieces(places: NDArray[np.float64], rooms: NDArray[np.int32], gap: float) -> tuple[int, NDArray[np.int32]]:
-    """The number of pieces that the contacts form, and the piece of each.
-
-    A piece has the same two rooms, and steps of at most `gap` cells.
-    """
-    if not len(places):
-        return 0, np.zeros(0, np.int32)
-    near = cKDTree(places).query_pairs(gap, output_type="ndarray")
-    near = near[(rooms[near[:, 0]] == rooms[near[:, 1]]).all(axis=1)]
-    links = coo_array((np.ones(len(near)), (near[:, 0], near[:, 1])), shape=(len(places), len(places)))
-    pieces, piece = connected_components(links, directed=False)
-    return int(pieces), piece
 
 
 def _farthest(places: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -5,7 +5,7 @@ A stage without a row is shown by the fields of its record.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -65,6 +65,12 @@ def percent(share: float) -> str:
     return "over 99 %" if rounded == 100 > 100 * share else f"{rounded} %"  # noqa: PLR2004  # percent
 
 
+def _counted(codes: NDArray[np.uint8], words: Sequence[str], *, zeros: bool = False) -> str:
+    """How often each word occurs among the codes; words that do not occur only with `zeros`."""
+    count = np.bincount(codes.ravel(), minlength=len(words)).tolist()
+    return ", ".join(f"{number} {word}" for number, word in zip(count, words, strict=True) if number or zeros)
+
+
 def _input_summary(run: History) -> str:
     frame = run.input.frame
     size = f"{frame.width * frame.resolution_m:.1f} x {frame.height * frame.resolution_m:.1f} m"
@@ -72,8 +78,8 @@ def _input_summary(run: History) -> str:
 
 
 def _simplified_summary(run: History) -> str:
-    frame, count = run.simplified.frame, np.bincount(run.simplified.reason.ravel(), minlength=len(REASONS))
-    changed = ", ".join(f"{count[code]} {word}" for code, word in enumerate(REASONS) if code and count[code])
+    frame, reason = run.simplified.frame, run.simplified.reason
+    changed = _counted(reason[reason > 0], REASONS)
     return f"{frame.width} x {frame.height} cells of {frame.resolution_m:g} m; changed: {changed or 'nothing'}"
 
 
@@ -94,14 +100,12 @@ def _convex_summary(convex: NDArray[np.bool_]) -> str:
 
 
 def _doors_summary(run: History) -> str:
-    count = np.bincount(run.doors.verdict, minlength=len(VERDICTS))
-    return ", ".join(f"{count[code]} {word}" for code, word in enumerate(VERDICTS) if count[code]) or "none"
+    return _counted(run.doors.verdict, VERDICTS) or "none"
 
 
 def _scores_summary(run: History) -> str:
     scores = run.scores
-    count = np.bincount(scores.judgement, minlength=len(JUDGEMENTS)).tolist()
-    judged = ", ".join(f"{number} {word}" for number, word in zip(count, JUDGEMENTS, strict=True))
+    judged = _counted(scores.judgement, JUDGEMENTS, zeros=True)
     sure = f"{int(scores.sure.sum())} closed in pass 2"
     return f"{judged}; {len(scores.rival_a)} pairs in conflict; {sure}; map {percent(scores.share_rough)} rough"
 
@@ -114,8 +118,7 @@ def _certificate_summary(run: History) -> str:
 
 
 def _narrows_summary(run: History) -> str:
-    count = np.bincount(run.critical_lines.fate, minlength=len(FATES))
-    return ", ".join(f"{count[code]} {word}" for code, word in enumerate(FATES) if count[code]) or "none"
+    return _counted(run.critical_lines.fate, FATES) or "none"
 
 
 def _initial_summary(run: History) -> str:
@@ -130,8 +133,7 @@ def _search_summary(run: History) -> str:
 
 
 def _edits_summary(run: History) -> str:
-    count = np.bincount(run.edits.verdict, minlength=len(EDIT_VERDICTS)).tolist()
-    return ", ".join(f"{number} {word}" for number, word in zip(count, EDIT_VERDICTS, strict=True) if number)
+    return _counted(run.edits.verdict, EDIT_VERDICTS)
 
 
 def _map_summary(run: History) -> str:

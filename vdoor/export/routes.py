@@ -17,7 +17,7 @@ from scipy.sparse.csgraph import dijkstra
 from vdoor.errors import VdoorError
 from vdoor.export.geometry import Point, line_m
 from vdoor.export.path_simplification import cost, straightened
-from vdoor.raster.labels import contacts
+from vdoor.raster.components import contacts
 from vdoor.topology import Door, Room, TopologicalMap
 
 Cell = tuple[int, int]

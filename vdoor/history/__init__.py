@@ -81,10 +81,15 @@ class History(RunRecords):
         return replace(history, damage=damage)
 
     @property
+    def place(self) -> str:
+        """End of error messages: the recording's path."""
+        return f": {self.file}"
+
+    @property
     def pipeline(self) -> Pipeline:
         """The method with its settings; `RecordingError` for a run of a baseline."""
         if not isinstance(self.method, Pipeline):
-            raise RecordingError(f"run: wanted one of the method itself, found preset {self.info.preset}: {self.file}")
+            raise RecordingError(f"run: wanted one of the method itself, found preset {self.info.preset}{self.place}")
         return self.method
 
     @property
@@ -106,17 +111,17 @@ class History(RunRecords):
             if spec.kind == "column":
                 good = not len(values) or bool(values.min() >= -spec.or_none and values.max() < len(rows))
             if not good:
-                raise RecordingError(f"{column}: wanted rows of {spec.of} ({len(rows)}), found others: {self.file}")
+                raise RecordingError(f"{column}: wanted rows of {spec.of} ({len(rows)}), found others{self.place}")
         scored, edges = self._column("door_scores.door"), self._column("initial_map.door")
         if scored is not None and edges is not None and not np.isin(edges, scored).all():
-            raise RecordingError(f"initial_map.door: wanted doors that have scores, found others: {self.file}")
+            raise RecordingError(f"initial_map.door: wanted doors that have scores, found others{self.place}")
         bordering = self._column("initial_map.border_edge")
         if bordering is not None and edges is not None and not _each_in_order(bordering, len(edges)):
-            raise RecordingError(f"initial_map.border_edge: wanted each edge, in order, found others: {self.file}")
+            raise RecordingError(f"initial_map.border_edge: wanted each edge, in order, found others{self.place}")
         working = [self.records[topic] for topic in STAGES[1:-1] if topic in self.records]
         frames = {record.frame for record in working if hasattr(record, "frame")}
         if len(frames) > 1:
-            raise RecordingError(f"frame: wanted one in all stages before the search, found {len(frames)}: {self.file}")
+            raise RecordingError(f"frame: wanted one in all stages before the search, found {len(frames)}{self.place}")
 
     def _column(self, name: str) -> NDArray[np.int32] | None:
         topic, _, name = name.partition(".")
@@ -131,7 +136,7 @@ class History(RunRecords):
             count = len(self.search) if topic == SEARCH else 1
             if self.steps[topic] <= step < self.steps[topic] + count:
                 return topic, step - self.steps[topic]
-        raise RecordingError(f"step: wanted 0 to {self.last_step}, found {step}: {self.file}")
+        raise RecordingError(f"step: wanted 0 to {self.last_step}, found {step}{self.place}")
 
     @property
     def last_step(self) -> int:

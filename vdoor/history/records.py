@@ -97,10 +97,15 @@ class RunRecords:
         self.write(len(self.records) + len(self.search), record)
         return record
 
+    @property
+    def place(self) -> str:
+        """End of error messages: the file of the records, if they come from one."""
+        return ""
+
     def write(self, step: int, record: Record) -> None:
         """Add a record; `RecordingError` for a second record of a stage other than the search."""
         if record.topic in self.records:
-            raise RecordingError(f"step {step}: wanted one record of {record.topic}, found a second")
+            raise RecordingError(f"step {step}: wanted one record of {record.topic}, found a second{self.place}")
         self.steps.setdefault(record.topic, step)
         if isinstance(record, Generation):
             self.search.add(record)
@@ -119,7 +124,7 @@ class RunRecords:
         """Record of a stage; `RecordingError` if it was not recorded."""
         found = self.records.get(record.topic)
         if not isinstance(found, record):
-            raise RecordingError(f"stage {record.topic}: not recorded, the last one is {self.stages[-1]}")
+            raise RecordingError(f"stage {record.topic}: not recorded, the last one is {self.stages[-1]}{self.place}")
         return found
 
     def has(self, record: type[Record]) -> bool:

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 from skimage.measure import label as label_cells
 
 from vdoor.method.doors import VirtualDoors
+from vdoor.raster.components import components
 from vdoor.raster.runs import runs_of
 
 Ints = NDArray[np.int32]
@@ -95,16 +95,6 @@ def sets_of_doors(door: Ints, begin: NDArray[np.intp]) -> NDArray[np.int64]:
         _, found = np.unique(np.stack([number[longer], door[begin[longer] + place]]), axis=1, return_inverse=True)
         number[longer] = number.max() + 1 + found
     return number
-
-
-def components(links: NDArray[np.intp], count: int) -> NDArray[np.intp]:
-    """The component (count,) of each node under links (2, k), numbered in the order of their first nodes."""
-    if not count:
-        return np.zeros(0, np.intp)
-    graph = coo_array((np.ones(links.shape[1], np.bool_), (links[0], links[1])), shape=(count, count))
-    _, label = connected_components(graph, directed=False)
-    _, first, inverse = np.unique(label, return_index=True, return_inverse=True)
-    return np.argsort(np.argsort(first))[inverse]
 
 
 def borders(pieces: Pieces, doors: int) -> Ints:

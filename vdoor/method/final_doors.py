@@ -10,10 +10,9 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from vdoor.frame import Frame
-from vdoor.method.arrangement import components
 from vdoor.method.initial_map import InitialMap
 from vdoor.method.simplify import SimplifiedGrid
-from vdoor.raster.labels import contacts
+from vdoor.raster.components import contact_pieces, contacts
 from vdoor.topology import KINDS
 
 Floats = NDArray[np.float64]
@@ -153,7 +152,5 @@ def _pieces(place: Floats, pair: Ints) -> list[NDArray[np.intp]]:
     """The indices of contacts, for each connected piece between the same two rooms."""
     if not len(place):
         return []
-    links = cKDTree(place).query_pairs(1.0, output_type="ndarray")
-    links = links[(pair[links[:, 0]] == pair[links[:, 1]]).all(axis=1)]
-    piece = components(links.T, len(place))
+    piece = contact_pieces(place, pair, 1.0)
     return np.split(np.argsort(piece, kind="stable"), np.cumsum(np.bincount(piece))[:-1])

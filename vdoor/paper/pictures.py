@@ -17,11 +17,11 @@ from vdoor.method.simplify import REASONS, SimplifiedGrid
 from vdoor.paper.claims import Evidence
 from vdoor.paper.door_counts import METHOD_TITLES, Lines, detect_doors, environments, methods_for, real_doors_m
 from vdoor.paper.figures import SUB_CASES, SubCase
-from vdoor.paper.pictures_canvas import OCCUPIED, Canvas, LegendEntry, Places, Window, known_window, legend, rgb
+from vdoor.paper.pictures_canvas import OCCUPIED, Canvas, LegendEntry, Places, Window, known_window, legend
 from vdoor.paper.search import SearchStudy
 from vdoor.paper.walkthrough import PRINTED_GENERATION, MethodRun, figure_5_run, run_method
 from vdoor.topology import TopologicalMap
-from vdoor.viz.charts import drawing, to_png
+from vdoor.viz.charts import drawing, rgb, to_png
 from vdoor.viz.rerun import style
 
 if TYPE_CHECKING:

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vdoor.grid import FREE_TO, OCCUPIED_FROM
+from vdoor.viz.charts import rgb
 from vdoor.viz.rerun import style
 
 if TYPE_CHECKING:
@@ -113,9 +114,3 @@ def legend(axes: Axes, entries: Sequence[LegendEntry], *, columns: int) -> None:
     figure = axes.get_figure(root=True)
     assert figure is not None
     figure.legend(signs, [meaning for *_, meaning in entries], loc="outside lower center", ncols=columns)
-
-
-def rgb(colour: style.Colour) -> tuple[float, float, float]:
-    """A colour as matplotlib takes it."""
-    red, green, blue = (part / 255 for part in colour)
-    return red, green, blue

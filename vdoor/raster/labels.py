@@ -8,7 +8,6 @@ from skimage.measure import label as label_cells
 
 from vdoor.raster.runs import runs_of
 
-Floats = NDArray[np.float64]
 Ints = NDArray[np.int32]
 Mask = NDArray[np.bool_]
 
@@ -89,15 +88,3 @@ def numbered(labels: Ints, rooms: int) -> tuple[Ints, Ints]:
     number = np.zeros(rooms + 1, np.int32)
     number[order] = np.arange(1, len(order) + 1)
     return number[labels], number
-
-
-def contacts(labels: Ints) -> tuple[Floats, Ints]:
-    """Cell sides where two rooms touch: their midpoints (k, 2) as row, col, and the two rooms (k, 2), lower first."""
-    places, pairs = [], []
-    for step in ((0, 1), (1, 0)):
-        one = labels[: labels.shape[0] - step[0], : labels.shape[1] - step[1]]
-        other = labels[step[0] :, step[1] :]
-        row, col = np.nonzero((one != other) & (one > 0) & (other > 0))
-        places.append(np.stack([row, col], axis=1) + np.array(step) / 2)
-        pairs.append(np.sort(np.stack([one[row, col], other[row, col]], axis=1), axis=1))
-    return np.concatenate(places), np.concatenate(pairs)

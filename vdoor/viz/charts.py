@@ -91,7 +91,7 @@ def draw_sweep(
 
 def draw_panel(axes: Axes, panel: Panel, points: Sequence[Point], axis: Axis) -> None:
     """Draw one panel of one sweep."""
-    axes.axvline(axis.places[axis.own], color=shade(OWN), linewidth=1.0, linestyle=":")
+    axes.axvline(axis.places[axis.own], color=rgb(OWN), linewidth=1.0, linestyle=":")
     axes.axhline(0.0, color="0.6", linewidth=0.6)
     for behind, line in enumerate(reversed(panel.lines)):
         draw_line(axes, line, series_of(points, line, panel), axis, behind=behind)
@@ -112,7 +112,7 @@ def draw_line(axes: Axes, line: Line, series: Series, axis: Axis, *, behind: int
 
     `behind` is the number of lines drawn over it: it is wider by that much, to stay visible.
     """
-    colour, size = shade(line.colour), 1.3 + 0.7 * behind
+    colour, size = rgb(line.colour), 1.3 + 0.7 * behind
     axes.plot(
         axis.places,
         series.mean,
@@ -136,17 +136,17 @@ def draw_failed(axes: Axes, points: Sequence[Point], axis: Axis) -> None:
     """Draw a cross and a count where maps failed."""
     for place, point in zip(axis.places, points, strict=True):
         if point.failed:
-            axes.plot(place, 0.0, "x", color=shade(FAILED), clip_on=False, zorder=5)
+            axes.plot(place, 0.0, "x", color=rgb(FAILED), clip_on=False, zorder=5)
             text = f"{len(point.failed)} failed"
             axes.annotate(
-                text, (place, FAILED_ABOVE), color=shade(FAILED), fontsize=7, rotation=90, ha="center", va="bottom"
+                text, (place, FAILED_ABOVE), color=rgb(FAILED), fontsize=7, rotation=90, ha="center", va="bottom"
             )
 
 
-def shade(colour: Colour) -> tuple[float, float, float]:
-    """A colour for matplotlib, as fractions."""
-    red, green, blue = colour
-    return red / 255, green / 255, blue / 255
+def rgb(colour: Sequence[int]) -> tuple[float, float, float]:
+    """A colour as matplotlib takes it, without its opacity."""
+    red, green, blue = (part / 255 for part in colour[:3])
+    return red, green, blue
 
 
 def require_matplotlib() -> None:

@@ -34,14 +34,6 @@ CELLS: dict[int, tuple[style.Colour, str]] = {
     BETWEEN: (style.BETWEEN, "between"),
     OCCUPIED: (style.OCCUPIED, "occupied"),
 }
-REASON_COLOURS: dict[str, style.Glass] = {
-    "unreachable": style.UNREACHABLE,
-    "jut": style.JUT,
-    "notch": style.NOTCH,
-    "island": style.ISLAND,
-    "thin unknown": style.THIN_UNKNOWN,
-    "slit": style.SLIT,
-}
 OTHER: style.Colour = (160, 60, 140)
 """Colour of words without a colour of their own."""
 ANGLES_DEG = (0.0, 60.0, 90.0, 120.0, 155.0, 170.0)
@@ -77,7 +69,7 @@ def draw_simplified(sheet: Sheet, grid: SimplifiedGrid) -> Drawn:
     )
     changed = Layer("changed", "Cells changed by simplification")
     colours: dict[int, Sequence[int]] = {
-        code: REASON_COLOURS.get(word, OTHER) for code, word in enumerate(REASONS) if code
+        code: style.OF_REASON.get(word, OTHER) for code, word in enumerate(REASONS) if code
     }
     changed.picture = sheet.picture(grid.reason, colours, grid.frame)
     counts = np.bincount(grid.reason.ravel(), minlength=len(REASONS)).tolist()

@@ -13,9 +13,9 @@ from scipy.optimize import Bounds, LinearConstraint, milp
 from scipy.sparse import coo_array
 
 from vdoor.config import Within
-from vdoor.method.arrangement import components
 from vdoor.method.search.generation import Generation
 from vdoor.method.search.problem import MergeProblem
+from vdoor.raster.components import components
 from vdoor.record import Record, Spec
 
 Index = NDArray[np.intp]

@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components
 
-from vdoor.method.arrangement import components
 from vdoor.method.initial_map import InitialMap
 from vdoor.method.scoring.score import DoorScores
 from vdoor.method.search.costs import Cost, Costs, Term, Totals
+from vdoor.raster.components import components
 
 Bits = NDArray[np.bool_]
 Floats = NDArray[np.float64]

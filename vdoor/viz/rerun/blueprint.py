@@ -10,7 +10,7 @@ import rerun.blueprint as rrb
 
 from vdoor.emit import RunInfo
 from vdoor.explain.stages import STAGE_VIEWS, StageView, view_of
-from vdoor.pipeline import RECORDS, emitted
+from vdoor.pipeline import emitted
 from vdoor.record import Record
 
 DESCRIPTION = """# vdoor: from a map to rooms and doors
@@ -38,16 +38,11 @@ Settings = Mapping[str, Any]
 
 
 def tabs_of(records: Iterable[type[Record]], settings: Settings) -> tuple[str, ...]:
-    """Tabs that a run with these records and settings has content for."""
+    """Tabs that a run with these records and settings has content for; without settings, with any."""
     shown = [
         view for view in map(view_of, in_order(records)) if not (view.needs and settings) or view.needs in settings
     ]
     return tuple(dict.fromkeys([OVERVIEW, *(view.tab for view in shown)]))
-
-
-def every_tab() -> tuple[str, ...]:
-    """All tabs that a run can have."""
-    return tuple(dict.fromkeys([OVERVIEW, *(view.tab for view in map(view_of, in_order(RECORDS)))]))
 
 
 def in_order(records: Iterable[type[Record]]) -> list[type[Record]]:
@@ -64,26 +59,22 @@ def includes(settings: Settings, stage: str) -> bool:
 
 def description(info: RunInfo) -> str:
     """Guide to the tabs of a run, as Markdown."""
-    meaning = {view.tab: view.meaning for view in map(view_of, emitted(info)) if view.meaning}
-    tabs = tabs_of(emitted(info), info.settings)
+    records = emitted(info)
+    meaning = {view.tab: view.meaning for view in map(view_of, records) if view.meaning}
+    tabs = tabs_of(records, info.settings)
     return DESCRIPTION.format(tabs="\n".join(f"| {tab} | {meaning[tab]} |" for tab in tabs if tab in meaning))
 
 
 def blueprint(info: RunInfo) -> rrb.Blueprint:
     """The default blueprint for a run."""
-    names = tabs_of(emitted(info), info.settings)
-    made = VIEWS | {
-        OVERVIEW: lambda: overview(names, info.settings),
-        "Search": lambda: search(info.settings),
-    }
-    plain = {
-        view.tab: functools.partial(plain_stage, view) for view in map(view_of, emitted(info)) if view.tab not in made
-    }
-    panel = rrb.TimePanel(
-        state="collapsed", timeline="step", play_state="following"
-    )  # at the end, with everything drawn
+    records = emitted(info)
+    names = tabs_of(records, info.settings)
+    plain = {view.tab: functools.partial(plain_stage, view) for view in map(view_of, records)}
+    made = plain | VIEWS | {OVERVIEW: lambda: overview(names, info.settings), "Search": lambda: search(info.settings)}
+    # At the end, with everything drawn.
+    panel = rrb.TimePanel(state="collapsed", timeline="step", play_state="following")
     return rrb.Blueprint(
-        rrb.Tabs(*((made | plain)[name]() for name in names), active_tab=0),
+        rrb.Tabs(*(made[name]() for name in names), active_tab=0),
         rrb.BlueprintPanel(state="collapsed"),
         rrb.SelectionPanel(state="collapsed"),
         panel,

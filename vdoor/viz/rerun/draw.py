@@ -40,7 +40,6 @@ CELL_CLASSES = {
     BETWEEN: ("between", style.BETWEEN),
     OCCUPIED: ("occupied", style.OCCUPIED),
 }
-REASON_COLOURS = (style.CLEAR, style.UNREACHABLE, style.JUT, style.NOTCH, style.ISLAND, style.THIN_UNKNOWN, style.SLIT)
 HEADING_PX = np.array([(1, 0), (0, -1), (-1, 0), (0, 1)])
 
 
@@ -69,7 +68,10 @@ def draw_simplified(scene: Scene, grid: SimplifiedGrid) -> None:
     """Draw the working grid, and the changed cells as a separate layer."""
     scene.remembered[grid.topic] = grid
     scene.keep("map/simplified", classes(CELL_CLASSES))
-    scene.keep("map/removed", classes(dict(enumerate(zip(REASONS, REASON_COLOURS, strict=True)))))
+    scene.keep(
+        "map/removed",
+        classes({code: (word, style.OF_REASON.get(word, style.CLEAR)) for code, word in enumerate(REASONS)}),
+    )
     scene.raster("map/simplified", cell_classes(grid))
     scene.raster("map/removed", grid.reason, order=1.0)
     counts = [np.count_nonzero(grid.reason == code) for code in range(len(REASONS))]

@@ -19,6 +19,15 @@ ISLAND: Glass = (220, 190, 40, 230)
 THIN_UNKNOWN: Glass = (150, 120, 220, 230)
 SLIT: Glass = (40, 150, 150, 230)
 CLEAR: Glass = (0, 0, 0, 0)
+OF_REASON: dict[str, Glass] = {
+    "unreachable": UNREACHABLE,
+    "jut": JUT,
+    "notch": NOTCH,
+    "island": ISLAND,
+    "thin unknown": THIN_UNKNOWN,
+    "slit": SLIT,
+}
+"""Colours of changed cells, by the reason that the simplified grid gives."""
 
 VIRTUAL_WALL: Colour = (150, 40, 190)
 NO_GO: Colour = (220, 90, 30)

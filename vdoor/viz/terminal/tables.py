@@ -244,14 +244,14 @@ def _map_details(run: History, _: int | None, limits: Limits) -> Iterator[Render
 
 def plain_details(run: History, topic: str, limits: Limits) -> Iterator[RenderableType]:
     """Tables of a record, column by column, for stages without a function of their own."""
+    if topic in PLAIN:
+        return
     record = run.records[topic]
     for name, columns in tables(type(record)).items():
-        if topic in PLAIN:
-            return
         rows = table(name, *columns)
         values = [texts_of(record, column) for column in columns]
         for row in range(min(len(values[0]), limits.rows)):
-            rows.add_row(str(row), *(str(column[row]) for column in values))
+            rows.add_row(str(row), *(column[row] for column in values))
         yield rows
         yield from _more(len(values[0]), limits)
 
