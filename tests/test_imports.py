@@ -9,8 +9,8 @@ import sys
 from pathlib import Path
 
 import networkx as nx
+from project import HOME
 
-HOME = Path(__file__).parent.parent
 PACKAGE = HOME / "vdoor"
 MODULES = {
     ".".join(path.relative_to(HOME).with_suffix("").parts).removesuffix(".__init__") for path in PACKAGE.rglob("*.py")
