@@ -5,8 +5,6 @@ from __future__ import annotations
 import dataclasses
 import io
 import json
-import subprocess
-import sys
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree as ET
@@ -170,13 +168,11 @@ def test_edit_that_cannot_be_written_leaves_all_files_as_they_were(result: Path,
         (("--set", "edit.edits=['merge 1,1 900,1']", "--quiet"), 0, ""),
     ],
 )
-def test_run_says_what_is_wrong_with_edits(words: tuple[str, ...], code: int, says: str, tmp_path: Path) -> None:
+def test_run_says_what_is_wrong_with_edits(
+    words: tuple[str, ...], code: int, says: str, tmp_path: Path, command: Command
+) -> None:
     (tmp_path / "bad.toml").write_text("[[edit]]\ndo = 'paint'\n")
-    vdoor_program = Path(sys.executable).parent / "vdoor"
-    done = subprocess.run(
-        [vdoor_program, "run", FLAT, "--preset", "paper", *words],
-        capture_output=True, text=True, timeout=60, check=False, cwd=tmp_path,
-    )  # fmt: skip
+    done = command("run", FLAT, "--preset", "paper", *words, cwd=tmp_path)
     assert done.returncode == code
     assert len(done.stderr.splitlines()) == bool(says)
     assert says in done.stderr

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import subprocess
 from pathlib import Path
 
 import finished_maps
 import numpy as np
 import pytest
-from commands import Command
-from project import VDOOR
+from commands import Command, process
 
 
 @pytest.fixture(scope="module")
@@ -64,11 +62,10 @@ def test_place_is_in_the_room_of_its_cell(pillars: Path, command: Command) -> No
         assert (told["room"] or {"id": 0})["id"] == room
 
 
-def test_middle_of_each_room_is_in_it(pillars: Path) -> None:
+def test_middle_of_each_room_is_in_it(pillars: Path, command: Command) -> None:
     for room in finished_maps.topology("pillars").rooms:
-        words = [VDOOR, "room-at", "{},{}".format(*room.centre_m), pillars]
-        done = subprocess.run(words, capture_output=True, text=True, timeout=60, check=False)
-        assert (done.returncode, done.stdout, done.stderr) == (0, f"room {room.id}\n", "")
+        done = command("room-at", "{},{}".format(*room.centre_m), pillars)
+        assert done == (0, f"room {room.id}\n", "")
         assert min(room.centre_m) < 0
 
 
@@ -107,5 +104,5 @@ def test_what_is_no_result_is_refused_by_name(name: str, tmp_path: Path, command
 
 @pytest.mark.parametrize("name", ["rooms", "room-at"])
 def test_help_has_an_example(name: str) -> None:
-    done = subprocess.run([VDOOR, name, "--help"], capture_output=True, text=True, timeout=60, check=True)
+    done = process(name, "--help")
     assert f"Example: vdoor {name} " in done.stdout

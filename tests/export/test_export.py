@@ -21,7 +21,7 @@ import pytest
 import rmf_loader
 import shapely
 import yaml
-from hypothesis import given
+from hypothesis import given, settings
 from maps import CELL_M, Cells, law, small_maps, with_search
 from PIL import Image
 
@@ -356,7 +356,7 @@ def test_an_angle_read_from_degrees_is_told_as_the_same_degrees() -> None:
     assert np.array_equal(np.degrees(_radians(angle_deg)), angle_deg)
 
 
-@law
+@settings(law, max_examples=25)
 @given(small_maps())
 def test_any_map_comes_out_and_reads_back(cells: Cells) -> None:
     grid = OccupancyGrid.from_array(cells, CELL_M, x_m=3.0, y_m=-70.0, yaw_rad=2.5)

@@ -6,8 +6,6 @@ import dataclasses
 import functools
 import json
 import shutil
-import subprocess
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +14,7 @@ import maps
 import numpy as np
 import pytest
 import vacuum
-from commands import Command
+from commands import Command, call, one_line
 from hypothesis import given
 from hypothesis import strategies as st
 from PIL import Image
@@ -304,13 +302,9 @@ def test_edits_of_a_file_take_the_place_of_the_older_ones(older: Path, command: 
 )
 def test_older_map_that_is_none_is_one_line_and_2(spoil: Any, says: str, older: Path) -> None:
     spoil(older / "old")
-    done = subprocess.run(
-        [Path(sys.executable).parent / "vdoor", "run", FLAT, "--preset", "paper", "--match", older / "old"],
-        capture_output=True, text=True, timeout=60, check=False,
-    )  # fmt: skip
-    assert (done.returncode, done.stdout) == (2, "")
-    (line,) = done.stderr.splitlines()
-    assert says in line
+    done = call("run", FLAT, "--preset", "paper", "--match", older / "old", code=2)
+    assert done.stdout == ""
+    assert says in one_line(done)
 
 
 def change(folder: Path, **keys: Any) -> None:

@@ -13,8 +13,9 @@ from typing import Any
 
 import numpy as np
 import pytest
+from commands import Command, Done
 from PIL import Image
-from project import HOME, VDOOR
+from project import HOME
 
 from vdoor.experiments.search_study import Graph
 from vdoor.method.corners import Candidates
@@ -47,11 +48,11 @@ OF_ANY_SIZE = (
 )
 """Sections of the page that are the same however many apartments and maps there are."""
 
-Made = tuple[Path, "subprocess.CompletedProcess[str]"]
+Made = tuple[Path, Done]
 
 
-def vdoor(*words: str | Path) -> subprocess.CompletedProcess[str]:
-    return subprocess.run([VDOOR, "paper", *map(str, words)], capture_output=True, text=True, check=False)
+def vdoor(*words: str | Path) -> Done:
+    return Command()("paper", *words)
 
 
 @pytest.fixture(scope="module")

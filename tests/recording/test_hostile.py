@@ -68,8 +68,9 @@ def test_names_of_attachments_write_nothing_anywhere(tmp_path: Path, command: Co
     whole = small(home / "whole.mcap")
     data = info.source.files[0][1]
     names = ("../../escaped.pgm", str(tmp_path / "absolute.pgm"), "..\\..\\windows.pgm", "\x1b[2J.pgm", "", "x\0y.pgm")
-    for name in names:
-        path = write(home / "hostile.mcap", records, dataclasses.replace(info, source=Source(files=((name, data),))))
+    for first in (names, names[::-1]):
+        source = Source(files=tuple((name, data) for name in first))
+        path = write(home / "hostile.mcap", records, dataclasses.replace(info, source=source))
         codes = every_command(command, path, whole)
         assert (codes["check"], codes["recover"], codes["info"]) == (0, 0, 0)
         assert files(tmp_path) <= {f"a/b/c/{name}.mcap" for name in ("whole", "hostile", "fixed")}

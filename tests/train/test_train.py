@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import json
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
-from project import HOME
+from commands import call
+from project import FLAT
 
 from vdoor.method.scoring.features import FEATURES, FIRST
 from vdoor.method.scoring.model import Curve, Curves, DoorModel, Rough, model_named, table_of
@@ -114,12 +113,7 @@ def test_a_labelled_synthetic_map_gives_the_examples_of_its_truth(tmp_path: Path
 
 def test_the_command_writes_curves_that_a_run_can_use(tmp_path: Path) -> None:
     curves = tmp_path / "curves.json"
-    command = [str(Path(sys.executable).with_name("vdoor"))]
-    done = subprocess.run(
-        [*command, "train", "-o", str(curves), "--homes", "3", "--offices", "1", "--rounds", "2"],
-        capture_output=True, text=True, check=False,
-    )  # fmt: skip
-    assert done.returncode == 0, done.stderr
+    done = call("train", "-o", curves, "--homes", "3", "--offices", "1", "--rounds", "2")
     assert "8 maps" in done.stdout
     assert tuple(model_named(str(curves)).last.curves) == FEATURES
     made = json.loads(curves.read_text())["made"]
@@ -127,15 +121,5 @@ def test_the_command_writes_curves_that_a_run_can_use(tmp_path: Path) -> None:
     rounds = [fitted_model(synthetic_maps(3, 1, seed), default_pipeline(), {"labelled_maps": 0}) for seed in (0, 1)]
     assert made["examples"] == sum(one.made["examples"] for one in rounds)
     assert table_of(model_named(str(curves))) == table_of(mean_of(rounds, made))
-    again = subprocess.run(
-        [*command, "train", "-o", str(curves), "--homes", "1"], capture_output=True, text=True, check=False
-    )
-    assert (again.returncode, again.stdout) == (2, "")
-    flat = HOME / "recordings" / "flat.yaml"
-    ran = subprocess.run(
-        [*command, "run", str(flat), "-q", "--set", f"score.model={curves}"],
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert ran.returncode == 0, ran.stderr
+    assert call("train", "-o", curves, "--homes", "1", code=2).stdout == ""
+    call("run", FLAT, "-q", "--set", f"score.model={curves}")
