@@ -5,7 +5,6 @@ from __future__ import annotations
 import ast
 import dataclasses
 import difflib
-import functools
 import inspect
 import itertools
 import json
@@ -177,14 +176,12 @@ def commented(stage: Any) -> list[str]:
     return lines
 
 
-@functools.cache
 def ranges_of(kind: type) -> dict[str, Within]:
     """The range of each setting that has one."""
     hints = get_type_hints(kind, include_extras=True)
     return {name: note for name, hint in hints.items() for note in get_args(hint)[1:] if isinstance(note, Within)}
 
 
-@functools.cache
 def field_docs(kind: type) -> dict[str, str]:
     """The docstring below each field of a class, by field name."""
     body = ast.parse(textwrap.dedent(inspect.getsource(kind))).body[0]

@@ -5,9 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
-from typing import Annotated, ClassVar
+from typing import TYPE_CHECKING, Annotated, ClassVar
 
-import networkx as nx
 import numpy as np
 from numpy.typing import NDArray
 
@@ -15,6 +14,9 @@ from vdoor.errors import RecordingError, SettingError
 from vdoor.frame import Frame
 from vdoor.raster.runs import runs_of
 from vdoor.record import Record, Spec
+
+if TYPE_CHECKING:
+    import networkx as nx
 
 KINDS = ("pair", "single", "passage", "extension", "added")
 """Kinds of doors, explained at `Door.kind`."""
@@ -218,6 +220,8 @@ class TopologicalMap(Record):
 
     def to_networkx(self) -> nx.MultiGraph[int]:
         """The graph: rooms as nodes with name, area_m2 and centre_m; doors as edges with their fields, keyed by id."""
+        import networkx as nx  # noqa: PLC0415  # a seventh of a second, only for this graph
+
         graph: nx.MultiGraph[int] = nx.MultiGraph()
         for room in self.rooms:
             graph.add_node(room.id, name=room.name, area_m2=room.area_m2, centre_m=room.centre_m)

@@ -7,9 +7,7 @@ from dataclasses import dataclass
 from typing import Annotated, ClassVar, cast
 
 import numpy as np
-from networkx import Graph, biconnected_components
 from numpy.typing import NDArray
-from scipy.optimize import Bounds, LinearConstraint, milp
 from scipy.sparse import coo_array
 
 from vdoor.config import Within
@@ -97,6 +95,8 @@ def gain_of_many(problem: MergeProblem, doors: Index, most_nodes: int) -> float:
     If the solver does not finish, its bound would depend on the order of branching, and so on the last bits of the
     input. The optimum of the linear relaxation, in which doors may be kept fractionally, does not.
     """
+    from scipy.optimize import Bounds, LinearConstraint, milp  # noqa: PLC0415  # likewise slow to load
+
     gain = np.zeros(problem.edges)
     gain[doors] = problem.most_gain[doors]
     wanted = gain > 0
@@ -126,14 +126,16 @@ def blocks(problem: MergeProblem) -> list[Index]:
     The way around a door leads only through doors that are on a cycle with it. In the graph of regions and doors these
     are in the same biconnected component. Doors that touch or conflict are one vertex of that graph.
     """
+    import networkx as nx  # noqa: PLC0415  # a seventh of a second, which reading a result does not need
+
     touching = _touching(problem)
     group = components(np.concatenate([touching, problem.conflicts], axis=1), problem.edges)
     # Regions are numbered from 0 upwards, groups of doors from -1 downwards.
-    graph: Graph[int] = Graph()
+    graph: nx.Graph[int] = nx.Graph()
     graph.add_edges_from(zip(problem.border_region.tolist(), (-1 - group[problem.border_edge]).tolist(), strict=True))
     together = []
     # The components are sets of vertices; networkx's stubs are wrong.
-    for component in cast("Iterator[set[int]]", biconnected_components(graph)):
+    for component in cast("Iterator[set[int]]", nx.biconnected_components(graph)):
         groups = sorted(-1 - vertex for vertex in component if vertex < 0)
         together += [(groups[0], other) for other in groups[1:]]
     first = np.zeros(group.max(initial=-1) + 1, np.intp)
