@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from commands import call
+from commands import call, process
 from scored_runs import BIAS, DOOR_SAYS, GENEROUS, SINGLE_SAYS, scored, write_curves
 from terminals import history, recorded
 from two_rooms import DOOR_M
@@ -141,7 +141,7 @@ def test_curves_that_are_no_longer_those_of_the_run_give_no_reasons(tmp_path: Pa
         write_curves(curves, bias=0.5)
     else:
         curves.write_text("{}")
-    text = call("why", path, "--at", "2.1,1.4").stdout
+    text = process("why", path, "--at", "2.1,1.4").stdout  # curves are read once a process
     assert "score: log-odds +2.50 (92 %), likely" in text
     assert "reasons: not available" in text
     assert "gives" not in text
