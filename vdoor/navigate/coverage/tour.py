@@ -40,11 +40,15 @@ class Tour:
         return Tour(tour.enter[order], tour.leave[order])
 
 
-def tour_of(distance: Floats, piece: Ints, start: int, end: int) -> Tour:
+def tour_of(distance: Floats, piece: Ints, start: int, end: int | None) -> Tour:
     """A short tour over all pieces (n, 2), given by the numbers of their end points.
 
-    `distance` (k, k) is between points and symmetric; the tour begins at the point `start` and ends at `end`.
+    `distance` (k, k) is between points and symmetric; the tour begins at the point `start` and ends at `end`, or
+    anywhere: then there is no last stop.
     """
+    if end is None:  # a last stop that is equally near to all points
+        tour = tour_of(np.pad(distance, ((0, 1), (0, 1))), piece, start, len(distance))
+        return Tour(tour.enter[:-1], tour.leave[:-1])
     tour = _nearest_first(distance, piece, start, end)
     for _ in range(MOST_MOVES):
         better = _better(distance, tour)
