@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 Ints = NDArray[np.intp]
 Floats = NDArray[np.float64]
+Mask = NDArray[np.bool_]
 
 MOST_MOVES = 2_000
 """Largest number of improvements."""
+NEAREST = 24
+"""Moves are tried that bring a piece beside one of so many of its nearest."""
 LONGEST_MOVED = 3
 """Largest number of pieces that are moved together."""
 EPSILON = 1e-6
@@ -19,25 +23,60 @@ EPSILON = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class Tour:
-    """Pieces in order, by the points where each is entered and left; the first and the last stay where they are."""
+    """Stops in order: the points where each piece is entered and left; the first and the last stop are ends."""
 
     enter: Ints
     leave: Ints
+    piece: Ints
+    """The piece of each stop; the ends have numbers of their own."""
 
-    def reversed(self, first: int, last: int) -> Tour:
-        """With the stretch from `first` to `last` driven backwards."""
+    def changed(self, move: Move) -> Tour:
+        """The tour after a move."""
+        first, last = move.first, move.last
+        stretch = np.arange(first, last + 1)[:: -1 if move.backwards else 1]
+        rest = np.concatenate([np.arange(first), np.arange(last + 1, len(self.piece))])
+        at = int(np.searchsorted(rest, move.after, "right"))
+        order = np.concatenate([rest[:at], stretch, rest[at:]])
         enter, leave = self.enter.copy(), self.leave.copy()
-        enter[first : last + 1] = self.leave[first : last + 1][::-1]
-        leave[first : last + 1] = self.enter[first : last + 1][::-1]
-        return Tour(enter, leave)
+        if move.backwards:
+            enter[stretch], leave[stretch] = self.leave[stretch], self.enter[stretch]
+        return Tour(enter[order], leave[order], self.piece[order])
 
-    def moved(self, first: int, last: int, after: int, *, backwards: bool) -> Tour:
-        """With a stretch moved behind the piece `after`, which is outside it, and driven backwards if wanted."""
-        tour = self.reversed(first, last) if backwards else self
-        rest = np.concatenate([np.arange(first), np.arange(last + 1, len(self.enter))])
-        at = int(np.searchsorted(rest, after, "right"))
-        order = np.concatenate([rest[:at], np.arange(first, last + 1), rest[at:]])
-        return Tour(tour.enter[order], tour.leave[order])
+
+class Move(NamedTuple):
+    """Stops `first` to `last` go behind the stop `after`, which is outside them, and are reversed or not."""
+
+    first: int
+    last: int
+    after: int
+    backwards: bool
+
+
+class Moves(NamedTuple):
+    """Moves that are tried, as columns of `Move`."""
+
+    first: Ints
+    last: Ints
+    after: Ints
+    backwards: Mask
+
+    def saved(self, distance: Floats, tour: Tour) -> Floats:
+        """What each move saves (k,)."""
+        first, last, after, backwards = self
+        begin = np.where(backwards, tour.leave[last], tour.enter[first])
+        end = np.where(backwards, tour.enter[first], tour.leave[last])
+        stays = after == first - 1
+        before = tour.leave[first - 1]
+        behind = tour.enter[last + 1]
+        gap_start, gap_end = tour.leave[after], np.where(stays, behind, tour.enter[after + 1])
+        old = distance[before, tour.enter[first]] + distance[tour.leave[last], behind]
+        new = distance[gap_start, begin] + distance[end, gap_end]
+        closed = np.where(stays, 0, distance[before, behind] - distance[gap_start, gap_end])
+        return old - new - closed
+
+    def move(self, row: int) -> Move:
+        """One of them."""
+        return Move(int(self.first[row]), int(self.last[row]), int(self.after[row]), bool(self.backwards[row]))
 
 
 def tour_of(distance: Floats, piece: Ints, start: int, end: int | None) -> Tour:
@@ -48,67 +87,69 @@ def tour_of(distance: Floats, piece: Ints, start: int, end: int | None) -> Tour:
     """
     if end is None:  # a last stop that is equally near to all points
         tour = tour_of(np.pad(distance, ((0, 1), (0, 1))), piece, start, len(distance))
-        return Tour(tour.enter[:-1], tour.leave[:-1])
+        return Tour(tour.enter[:-1], tour.leave[:-1], tour.piece[:-1])
     tour = _nearest_first(distance, piece, start, end)
+    near = _neighbours(distance, piece, start, end)
     for _ in range(MOST_MOVES):
-        better = _better(distance, tour)
-        if better is None:
+        tried = _tried(tour, near)
+        saved = tried.saved(distance, tour)
+        if not len(saved) or saved.max() < EPSILON:
             break
-        tour = better
+        tour = tour.changed(tried.move(int(saved.argmax())))
     return tour
 
 
 def _nearest_first(distance: Floats, piece: Ints, start: int, end: int) -> Tour:
     """Always the piece whose nearer end is nearest."""
-    enter, leave = [start], [start]
+    order, sides = [], []
+    here = start
     todo = np.ones(len(piece), np.bool_)
     for _ in range(len(piece)):
-        near = np.where(todo[:, None], distance[leave[-1]][piece], np.inf)
+        near = np.where(todo[:, None], distance[here][piece], np.inf)
         chosen, side = divmod(int(near.argmin()), 2)
-        enter.append(int(piece[chosen, side]))
-        leave.append(int(piece[chosen, 1 - side]))
+        order.append(chosen)
+        sides.append(side)
+        here = int(piece[chosen, 1 - side])
         todo[chosen] = False
-    return Tour(np.array([*enter, end]), np.array([*leave, end]))
+    stops, side = np.array(order, np.intp), np.array(sides, np.intp)
+    enter = np.concatenate([[start], piece[stops, side], [end]])
+    leave = np.concatenate([[start], piece[stops, 1 - side], [end]])
+    return Tour(enter, leave, np.concatenate([stops, [len(piece), len(piece) + 1]]))
 
 
-def _better(distance: Floats, tour: Tour) -> Tour | None:
-    """The tour after the move that saves most; None if no move saves anything."""
-    step = distance[tour.leave[:-1], tour.enter[1:]]
-    out_out, in_in = distance[np.ix_(tour.leave, tour.leave)], distance[np.ix_(tour.enter, tour.enter)]
-    out_in = distance[np.ix_(tour.leave, tour.enter)]
-    saved, move = _best_reversal(step, out_out, in_in)
-    for length in range(1, min(LONGEST_MOVED, len(step) - 2) + 1):
-        saved, move = max((saved, move), _best_move(step, out_out, in_in, out_in, length), key=lambda found: found[0])
-    if saved < EPSILON:
-        return None
-    first, last, after, backwards = move
-    return tour.reversed(first, last) if after < 0 else tour.moved(first, last, after, backwards=backwards)
+def _neighbours(distance: Floats, piece: Ints, start: int, end: int) -> Ints:
+    """Pairs (k, 2) of pieces, or of the ends, that are near each other."""
+    all_ends = np.concatenate([piece, [[start, start], [end, end]]])
+    apart = distance[np.ix_(all_ends[:, 0], all_ends.reshape(-1))]
+    apart = np.minimum(apart, distance[np.ix_(all_ends[:, 1], all_ends.reshape(-1))])
+    apart = apart.reshape(len(all_ends), len(all_ends), 2).min(axis=2)
+    np.fill_diagonal(apart, np.inf)
+    count = min(NEAREST, len(all_ends) - 1)
+    near = np.argsort(apart, axis=1, kind="stable")[:, :count]
+    pair = np.sort(np.stack([np.repeat(np.arange(len(all_ends)), count), near.reshape(-1)], axis=1), axis=1)
+    return np.unique(pair, axis=0)
 
 
-Move = tuple[int, int, int, bool]
-"""First and last piece of the stretch, the piece after which it goes (-1: it stays), and whether it is reversed."""
-
-
-def _best_reversal(step: Floats, out_out: Floats, in_in: Floats) -> tuple[float, Move]:
-    """Reverse pieces i to j: the steps before i and behind j change."""
-    inner = np.arange(1, len(step))
-    if not len(inner):
-        return 0.0, (0, 0, -1, True)
-    i, j = inner[:, None], inner[None]
-    saved = np.where(i <= j, step[i - 1] + step[j] - out_out[i - 1, j] - in_in[i, j + 1], -np.inf)
-    first, last = np.unravel_index(int(saved.argmax()), saved.shape)
-    return float(saved[first, last]), (int(first) + 1, int(last) + 1, -1, True)
-
-
-def _best_move(
-    step: Floats, out_out: Floats, in_in: Floats, out_in: Floats, length: int
-) -> tuple[float, Move]:
-    """Move pieces i to j = i + length - 1 between k and k + 1, forwards or backwards."""
-    i = np.arange(1, len(step) - length + 1)[:, None]
-    j, k = i + length - 1, np.arange(len(step))[None]
-    closed = step[i - 1] + step[j] - out_in[i - 1, j + 1] + step[k]
-    ways = np.stack([closed - out_in[k, i] - out_in[j, k + 1], closed - out_out[k, j] - in_in[i, k + 1]])
-    ways[:, (k >= i - 1) & (k <= j)] = -np.inf
-    way, row, after = np.unravel_index(int(ways.argmax()), ways.shape)
-    first = int(row) + 1
-    return float(ways[way, row, after]), (first, first + length - 1, int(after), bool(way))
+def _tried(tour: Tour, near: Ints) -> Moves:
+    """All moves that bring two near pieces side by side."""
+    place = np.empty(len(tour.piece), np.intp)
+    place[tour.piece] = np.arange(len(tour.piece))
+    pair = np.sort(place[near], axis=1)
+    one, other = pair.T
+    # reversals: the stretch behind one, or from one on
+    columns = [(one + 1, other, one, True), (one, other - 1, one - 1, True)]
+    for length in range(1, LONGEST_MOVED + 1):
+        for moved, fixed in ((one, other), (other, one)):
+            for first in {0, 1 - length}:
+                for after in (-1, 0):
+                    for backwards in (False, True):
+                        columns.append((moved + first, moved + first + length - 1, fixed + after, backwards))
+    first, last, after, backwards = (
+        np.concatenate([np.broadcast_to(column[part], len(one)) for column in columns]) for part in range(4)
+    )
+    stays = after == first - 1
+    outside = (after < first) | (after > last)
+    end = len(tour.piece) - 1
+    possible = (first >= 1) & (first <= last) & (last < end) & (after >= 0) & (after < end) & outside
+    possible &= ~stays | backwards
+    return Moves(first[possible], last[possible], after[possible], backwards[possible])
