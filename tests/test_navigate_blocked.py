@@ -13,7 +13,7 @@ from vdoor.grid import Annotations, OccupancyGrid
 from vdoor.navigate.blocked import Restrictions, blocked_cells, door_contacts, ruled_out
 from vdoor.navigate.places import standing_at, standing_in
 from vdoor.navigate.space import Space
-from vdoor.raster.strips import near_segment
+from vdoor.raster.strips import near_segments
 from vdoor.topology import TopologicalMap
 
 CELL_M = 0.2
@@ -32,8 +32,8 @@ def mapped(cells: Cells) -> tuple[OccupancyGrid, TopologicalMap]:
     return grid, vdoor.run(grid)
 
 
-def squares(first: int, begin: np.ndarray, end: np.ndarray) -> set[tuple[int, int]]:
-    return {(first + row, col) for row in range(len(begin)) for col in range(begin[row], end[row])}
+def squares(first: np.ndarray, begin: np.ndarray, end: np.ndarray) -> set[tuple[int, int]]:
+    return {(first[0, 0] + row, col) for row in range(begin.shape[1]) for col in range(begin[0, row], end[0, row])}
 
 
 @pytest.mark.parametrize("radius", [0.5, 1.0, 2.0, 3.4])
@@ -44,7 +44,7 @@ def test_cells_near_a_segment_are_those_that_shapely_finds(radius: float) -> Non
     for corner in (0.0, 0.5):
         for start, end in rng.integers(-7, 8, (40, 2, 2)) + corner * rng.uniform(-1, 1, (40, 2, 2)):
             apart = shapely.distance(shapely.linestrings([start[::-1], end[::-1]]), boxes)
-            found = squares(*near_segment(tuple(start), tuple(end), radius))
+            found = squares(*near_segments(start[None], end[None], radius))
             sure = np.abs(apart - radius) > 1e-6
             near = set(zip(row[sure & (apart < radius)], col[sure & (apart < radius)], strict=True))
             assert near <= found

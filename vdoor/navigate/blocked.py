@@ -14,7 +14,7 @@ from vdoor.frame import Frame
 from vdoor.grid import Annotations, Line, OccupancyGrid
 from vdoor.method.final_doors import to_segment_m
 from vdoor.raster.components import contacts
-from vdoor.raster.strips import near_segment
+from vdoor.raster.strips import near_segments
 from vdoor.topology import TopologicalMap
 
 Mask = NDArray[np.bool_]
@@ -66,13 +66,13 @@ def ruled_out(frame: Frame, annotations: Annotations, *, mops: bool) -> Mask:
     for area in areas:
         row, col = frame.cell_from_world(np.array(area)).T
         out[polygon(row, col, out.shape)] = True
-    for start, end in _segments(frame, annotations.virtual_walls_m, areas):
+    for start, end in _sides(frame, annotations.virtual_walls_m, areas):
         for row, columns in _touched(start, end, out.shape):
             out[row, columns] = True
     return out
 
 
-def _segments(frame: Frame, walls: Iterable[Line], areas: Iterable[Line]) -> Iterator[tuple[Floats, Floats]]:
+def _sides(frame: Frame, walls: Iterable[Line], areas: Iterable[Line]) -> Iterator[tuple[Floats, Floats]]:
     """The sides of walls and areas, their ends as row, col."""
     for line in (*walls, *((*area, area[0]) for area in areas)):
         yield from pairwise(frame.cell_from_world(np.array(line)))
@@ -80,8 +80,8 @@ def _segments(frame: Frame, walls: Iterable[Line], areas: Iterable[Line]) -> Ite
 
 def _touched(start: Floats, end: Floats, shape: tuple[int, int]) -> Iterator[tuple[int, slice]]:
     """The row and the columns of the cells of a raster that a segment touches."""
-    first, begin, stop = near_segment((start[0], start[1]), (end[0], end[1]), TOUCH)
-    for row, (left, right) in enumerate(zip(begin.tolist(), stop.tolist(), strict=True), start=first):
+    first, begin, stop = near_segments(start[None], end[None], TOUCH)
+    for row, (left, right) in enumerate(zip(begin[0].tolist(), stop[0].tolist(), strict=True), start=int(first[0, 0])):
         if 0 <= row < shape[0]:
             yield row, slice(max(left, 0), max(right, 0))
 

@@ -12,6 +12,7 @@ from vdoor.topology import TopologicalMap
 
 Point = tuple[float, float]
 Cell = tuple[int, int]
+Box = tuple[slice, ...]
 
 
 @dataclass(frozen=True)
@@ -56,15 +57,18 @@ def standing_at(space: Space, place_m: Point, *, what: str) -> Standing:
     return Standing(cell, _centre_m(space, cell), float(apart[nearest]) * space.frame.resolution_m)
 
 
-def standing_in(space: Space, topology: TopologicalMap, room: int) -> Standing | None:
+def standing_in(space: Space, topology: TopologicalMap, room: int, box: Box | None = None) -> Standing | None:
     """The allowed cell of a room that is nearest to its centre, in the largest part of its allowed cells.
 
-    None if the robot fits nowhere in the room. Raises `SettingError` if there is no such room.
+    The room lies in the box, if one is given. None if the robot fits nowhere in the room. Raises `SettingError` if
+    there is no such room.
     """
     centre = topology.centre[topology.room_row(room)]
-    cells = np.argwhere((topology.labels == room) & space.allowed)
+    rows, cols = box or (slice(0, None), slice(0, None))
+    cells = np.argwhere((topology.labels[rows, cols] == room) & space.allowed[rows, cols])
     if not len(cells):
         return None
+    cells += (rows.start, cols.start)
     part = space.parts[tuple(cells.T)]
     cells = cells[part == np.argmax(np.bincount(part))]
     row, col = cells[np.argmin(((cells - centre) ** 2).sum(axis=1))].tolist()

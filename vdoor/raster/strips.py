@@ -1,9 +1,6 @@
-"""The cells near a straight segment, as one run of columns a row: exact, since cells are squares."""
+"""The cells near straight segments, as one run of columns a row: exact, since cells are squares."""
 
 from __future__ import annotations
-
-import math
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,40 +12,44 @@ EPSILON = 1e-9
 """Rounding errors of positions, in cells."""
 
 
-def near_segment(start: tuple[float, float], end: tuple[float, float], radius: float) -> tuple[int, Ints, Ints]:
-    """The first row, and in each row from there on the first column and the one after the last, of the cells.
+def near_segments(start: Floats, end: Floats, radius: float) -> tuple[Ints, Ints, Ints]:
+    """The first rows (k, 1), and in each row (k, n) from there on the first column and the one after the last.
 
-    Cells are the squares nearer than `radius` cells to the segment between two points (row, col); rows without any
-    have equal columns. Rows and columns may lie outside any map.
+    Cells are the squares nearer than `radius` cells to a segment between two points (k, 2) as row, col. Rows without
+    any have equal columns. Rows and columns may lie outside any map.
     """
-    (row, col), (end_row, end_col) = start, end
-    reach = 0.5 + radius
-    first = math.floor(min(row, end_row) - reach) + 1
-    rows = np.arange(first, math.ceil(max(row, end_row) + reach))
-    begin = -_farthest(rows, (row, -col), (end_row, -end_col), radius)
-    last = _farthest(rows, (row, col), (end_row, end_col), radius)
-    from_col = np.floor(begin + EPSILON).astype(np.int64) + 1
-    to_col = np.ceil(last - EPSILON).astype(np.int64)
-    return first, from_col, np.maximum(to_col, from_col)
+    upper = (start[:, 0] <= end[:, 0])[:, None]
+    low, high = np.where(upper, start, end), np.where(upper, end, start)
+    first = np.floor(low[:, :1] - 0.5 - radius).astype(np.int64) + 1
+    count = int((np.ceil(high[:, 0] + 0.5 + radius) - first[:, 0]).max(initial=0))
+    rows = first + np.arange(count)
+    to_left, to_right = _farthest(rows, low, high, radius)
+    begin = np.floor(EPSILON - to_left).astype(np.int64) + 1
+    stop = np.ceil(to_right - EPSILON).astype(np.int64)
+    none = rows >= high[:, :1] + 0.5 + radius
+    return first, begin, np.where(none, begin, np.maximum(stop, begin))
 
 
-def _farthest(rows: Ints, start: tuple[float, float], end: tuple[float, float], radius: float) -> Floats:
-    """The column (k,) at which cells of each row stop being near, to the right.
+def _farthest(rows: Ints, low: Floats, high: Floats, radius: float) -> Floats:
+    """The columns (2, k, n) at which cells of each row stop being near: to the left, sign changed, and to the right.
 
     A square is near if its centre lies in the segment widened by a square with rounded corners. At a height of `aside`
     above a point of the segment that shape is `_half_width(aside)` wide; the sum is concave along the segment.
     """
-    (row, col), (end_row, end_col) = start, end
-    if end_row == row:
-        return np.asarray(max(col, end_col) + _half_width(rows - row, radius))
-    slope = (end_col - col) / (end_row - row)
-    best = math.copysign(0.5 + radius * abs(slope) / math.hypot(1, slope), -slope) if slope else 0.0
-    low, high = rows - max(row, end_row), rows - min(row, end_row)
-    aside = np.clip(best, low, high)
-    return np.asarray(col + slope * (rows - aside - row) + _half_width(aside, radius))
+    down, across = (high - low).T[:, :, None]
+    level = down == 0
+    slope = np.where(level, 0.0, across / np.where(level, 1.0, down))
+    best = np.sign(slope) * (0.5 + radius * np.abs(slope) / np.hypot(1.0, slope))
+    above = rows - low[:, :1]
+    aside = np.minimum(np.maximum(np.stack([best, -best]), above - down), above)
+    beyond = np.stack([np.where(level, np.minimum(across, 0), 0), np.where(level, np.maximum(across, 0), 0)])
+    column = low[:, 1:] + beyond + slope * (above - aside)
+    found: Floats = column * np.array([-1.0, 1.0])[:, None, None] + _half_width(aside, radius)
+    return found
 
 
-def _half_width(aside: NDArray[Any], radius: float) -> Floats:
+def _half_width(aside: Floats, radius: float) -> Floats:
     """Half the width, at some heights, of a square of one cell widened by `radius`."""
     beyond = np.maximum(np.abs(aside) - 0.5, 0.0)
-    return np.asarray(0.5 + np.sqrt(np.maximum(radius**2 - beyond**2, 0.0)))
+    found: Floats = 0.5 + np.sqrt(np.maximum(radius**2 - beyond**2, 0.0))
+    return found
