@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
+from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +25,19 @@ STRAIGHT, DIAGONAL = 408, 577
 FAR = np.iinfo(np.int32).max // 2
 """The distance to a cell that cannot be reached; a step can be added to it."""
 NEIGHBOURS = tuple((row, col) for row in (-1, 0, 1) for col in (-1, 0, 1) if row or col)
+
+
+class Step(NamedTuple):
+    """A step to a neighbour, in a flat array."""
+
+    by: int
+    length: int
+    diagonal: bool
+    corner: int
+    """How far on the corner is that a diagonal step passes."""
+
+
+NO_STEP = Step(0, 1, diagonal=False, corner=0)
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -67,35 +82,59 @@ class RoomGraph:
         return np.where(np.isfinite(found), found, float(FAR)).astype(np.int32)
 
     def way(self, start: Cell, distance: Ints) -> list[Cell]:
-        """The cells of a shortest way from a cell to the source of some distances, both included.
+        """The ends and bends of a shortest way from a cell to the source of some distances.
 
         Of several next cells the one straight ahead is taken, or the first in reading order: the way depends on the
         distances alone.
         """
-        at = (start[0] - self.corner[0], start[1] - self.corner[1])
-        cells, ahead = [at], NEIGHBOURS[0]
-        left = int(distance[self.node[at]])
+        far, node, width = memoryview(distance), self._flat[0], self._flat[2]
+        at = self._place(start)
+        left, ahead, turns = far[node[at]], NO_STEP, []
         while left:
-            ahead, left = next(self._nearer(at, left, ahead, distance))
-            at = (at[0] + ahead[0], at[1] + ahead[1])
-            cells.append(at)
-        return [(row + self.corner[0], col + self.corner[1]) for row, col in cells]
+            step = self._nearer(at, left, ahead, far)
+            if step is not ahead:
+                turns.append(at)
+            at, left, ahead = at + step.by, left - step.length, step
+        return [self._cell(place, width) for place in (*(turns or [at]), *([at] if turns else []))]
 
-    def _nearer(self, at: Cell, left: int, ahead: Cell, distance: Ints) -> Iterator[tuple[Cell, int]]:
-        """The possible next steps of a way, and what is left after each."""
+    def _nearer(self, at: int, left: int, ahead: Step, far: memoryview) -> Step:
+        """The next step of a way at a place from where `left` is left."""
+        node, corner, _ = self._flat
+        for step in (ahead, *self._steps):
+            to = node[at + step.by]
+            if to >= 0 and far[to] + step.length == left and (not step.diagonal or corner[at + step.corner]):
+                return step
+        raise AssertionError("a cell at a distance has a neighbour nearer by a step")
+
+    def _place(self, cell: Cell) -> int:
+        """Where a cell is in `_flat`."""
+        return (cell[0] - self.corner[0] + 1) * self._flat[2] + cell[1] - self.corner[1] + 1
+
+    def _cell(self, place: int, width: int) -> Cell:
+        return place // width + self.corner[0] - 1, place % width + self.corner[1] - 1
+
+    @cached_property
+    def _flat(self) -> tuple[memoryview, memoryview, int]:
+        """Nodes and corners with a margin of one cell, flat, and the width: fast to read one by one."""
         height, width = self.node.shape
-        for step in (ahead, *NEIGHBOURS):
-            row, col = at[0] + step[0], at[1] + step[1]
-            if not (0 <= row < height and 0 <= col < width):
-                continue
-            length = STRAIGHT
-            if step[0] and step[1]:
-                if not self.crossing[min(row, at[0]), min(col, at[1])]:
-                    continue
-                length = DIAGONAL
-            node = self.node[row, col]
-            if node >= 0 and distance[node] + length == left:
-                yield step, left - length
+        corner = np.zeros((height + 2, width + 2), np.bool_)
+        corner[1:height, 1:width] = self.crossing
+        node = np.pad(self.node, 1, constant_values=-1)
+        return memoryview(node.reshape(-1)), memoryview(corner.reshape(-1)), width + 2
+
+    @cached_property
+    def _steps(self) -> list[Step]:
+        """The steps to the eight neighbours, in reading order."""
+        width = self._flat[2]
+        return [
+            Step(
+                down * width + right,
+                DIAGONAL if down and right else STRAIGHT,
+                bool(down and right),
+                min(down, 0) * width + min(right, 0),
+            )
+            for down, right in NEIGHBOURS
+        ]
 
 
 def beeline(start: Cell, goal: Cell) -> int:
@@ -105,7 +144,7 @@ def beeline(start: Cell, goal: Cell) -> int:
 
 
 def local_way(space: Space, start: Cell, goal: Cell, most: int) -> list[Cell]:
-    """The cells of a shortest way between two allowed cells that are joined by one of at most that length.
+    """The ends and bends of a shortest way between two allowed cells that are joined by one of at most that length.
 
     It is searched among the cells that a way of that length can pass, which are few if it is almost straight.
     """

@@ -48,7 +48,7 @@ class Plan:
     lengths: tuple[int, ...]
     """The length over neighbouring cells between each two stops, in the unit of `room_graph`."""
     rooms: tuple[int, ...]
-    """The room in which each two stops are joined; 0 for neighbouring cells."""
+    """The room in which each two stops are joined; 0 if there are only straight or diagonal steps between them."""
 
     @property
     def length(self) -> int:
@@ -57,7 +57,7 @@ class Plan:
 
     @classmethod
     def over(cls, cells: Sequence[Cell]) -> Plan:
-        """The plan that passes neighbouring cells."""
+        """The plan that passes the bends of a way over cells."""
         return cls(tuple(cells), tuple(beeline(*step) for step in pairwise(cells)), (0,) * (len(cells) - 1))
 
 
@@ -74,6 +74,7 @@ class Routes:
             room: standing_in(space, topology, room, self._boxes[room - 1]) for room in topology.room_ids
         }
         """Where the robot stands in each room; None for a room that it does not fit into."""
+        self._keys: dict[int, bytes] = {}
         self._graphs: dict[int, RoomGraph] = {}
         self._fields: dict[tuple[int, Cell], Ints] = {}
         self._latest: tuple[tuple[int, Cell], Ints] = ((0, (0, 0)), np.zeros(0, np.int32))
@@ -126,8 +127,12 @@ class Routes:
         plan = self.plan(start, goal)
         if plan is None:
             return None
-        ways = [self._way(*ends, room) for ends, room in zip(pairwise(plan.stops), plan.rooms, strict=True)]
-        return pulled([start, *(cell for way in ways for cell in way[1:])], self.sight)
+        ends = np.array(plan.stops, np.float64)
+        seen = self.sight.all_clear(ends[:-1], ends[1:]).tolist()
+        path = [start]
+        for one, other, room, clear in zip(plan.stops, plan.stops[1:], plan.rooms, seen, strict=False):
+            path += [other] if clear or not room else self._way(one, other, room)[1:]
+        return pulled(path, self.sight)
 
     def plan(self, start: Cell, goal: Cell) -> Plan | None:
         """The rooms' terminals to pass between two allowed cells of rooms; None if there is no way.
@@ -143,9 +148,7 @@ class Routes:
         return Plan.over(local_way(self.space, start, goal, plan.length))
 
     def _way(self, start: Cell, goal: Cell, room: int) -> list[Cell]:
-        """The way from one stop of a plan to the next."""
-        if not room or self.sight.clear(start, goal):
-            return [start, goal]
+        """The ends and bends of the way between two stops of a plan, at least one of them a terminal, within a room."""
         if goal in self._number or start not in self._number:  # of two cells the terminal, whose field may be kept
             return self._graph(room).way(start, self._field(room, goal))
         return self._graph(room).way(goal, self._field(room, start))[::-1]
@@ -249,11 +252,17 @@ class Routes:
         return _shortest(np.concatenate(links), len(self._cells))
 
     def _table(self, room: int) -> Table:
+        if room not in self._keys:
+            self._keys[room] = self._stored(room)
+        return self.tables[self._keys[room]]
+
+    def _stored(self, room: int) -> bytes:
+        """The key of a room's table, which is computed if it is not there."""
         graph, cells = self._graph(room), [self._cells[at] for at in self._of_room[room]]
         key = digest_of(graph, cells)
         if key not in self.tables:
             self.tables[key] = table_of(graph, [self._field(room, cell) for cell in cells], cells)
-        return self.tables[key]
+        return key
 
     def _graph(self, room: int) -> RoomGraph:
         if room not in self._graphs:
