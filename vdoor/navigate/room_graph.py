@@ -87,7 +87,7 @@ class RoomGraph:
         Of several next cells the one straight ahead is taken, or the first in reading order: the way depends on the
         distances alone.
         """
-        far, node, width = memoryview(distance), self._flat[0], self._flat[2]
+        far, (node, _, width) = distance.data, self._flat
         at = self._place(start)
         left, ahead, turns = far[node[at]], NO_STEP, []
         while left:
@@ -120,7 +120,7 @@ class RoomGraph:
         corner = np.zeros((height + 2, width + 2), np.bool_)
         corner[1:height, 1:width] = self.crossing
         node = np.pad(self.node, 1, constant_values=-1)
-        return memoryview(node.reshape(-1)), memoryview(corner.reshape(-1)), width + 2
+        return node.reshape(-1).data, corner.reshape(-1).data, width + 2
 
     @cached_property
     def _steps(self) -> list[Step]:

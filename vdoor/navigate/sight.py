@@ -7,6 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from vdoor.method.final_doors import to_segment_m
 from vdoor.navigate.space import Space
 from vdoor.raster.strips import near_segments
 
@@ -60,3 +61,35 @@ def _counts(blocked: Mask) -> NDArray[np.uint16]:
     counts = np.zeros((blocked.shape[0], blocked.shape[1] + 1), np.uint16)
     np.cumsum(blocked, axis=1, out=counts[:, 1:], dtype=np.uint16)
     return counts
+
+
+def least_clearance(space: Space, points: Floats, *, most_m: float = 2.0) -> float:
+    """The distance in metres from a path through points (k, 2), as row, col, to the nearest edge of a blocked cell.
+
+    Exact up to `most_m`, which is what a path far from everything gets. One point is a path, too.
+    """
+    most = most_m / space.frame.resolution_m
+    margin = math.ceil(most) + 2
+    padded = np.pad(space.blocked, margin, constant_values=True)
+    starts, ends = (points[:-1], points[1:]) if len(points) > 1 else (points, points)
+    found = most
+    for start, end in zip(starts, ends, strict=True):
+        first, begin, stop = near_segments(start[None], end[None], found)
+        rows = np.repeat(np.arange(begin.shape[1]), stop[0] - begin[0])
+        cols = np.concatenate([np.zeros(0, np.int64), *map(np.arange, begin[0], stop[0])])
+        cells = np.stack([first[0, 0] + rows, cols], axis=1)
+        cells = cells[padded[tuple((cells + margin).T)]]
+        if len(cells):
+            found = min(found, float(_to_squares(cells, start, end).min()))
+    return found * space.frame.resolution_m
+
+
+CORNERS = np.array([(-0.5, -0.5), (-0.5, 0.5), (0.5, -0.5), (0.5, 0.5)])
+
+
+def _to_squares(cells: NDArray[np.int64], start: Floats, end: Floats) -> Floats:
+    """The distances from a segment to squares (k, 2) that it does not cross: least at one of its ends or a corner."""
+    to_corners = to_segment_m((cells[:, None] + CORNERS).reshape(-1, 2), start, end).reshape(-1, 4).min(axis=1)
+    to_ends = [np.hypot(*np.maximum(np.abs(cells - point) - 0.5, 0).T) for point in (start, end)]
+    found: Floats = np.minimum(to_corners, np.minimum(*to_ends))
+    return found
