@@ -26,6 +26,7 @@ Ints = NDArray[np.int32]
 Floats = NDArray[np.float64]
 
 
+LEVELS=(.125,.25,.5,1)
 @dataclass(frozen=True, kw_only=True)
 class CoverFloor:
     """Plan a path whose tool sweeps the floor."""
@@ -35,6 +36,7 @@ class CoverFloor:
     trade: Annotated[float, Within(0, 1)] = 0.12
     """How much area may stay uncovered for a length saved, as a share of what the tool sweeps on that length; the dial
     between coverage and length."""
+    leave: Annotated[float, Within(0, 1)] = 0.02
     bend_m: Annotated[float, Within(0, 10)] = 0.2
     """What a bend of the path costs, as a length."""
 
@@ -54,8 +56,9 @@ class CoverFloor:
         round_ = tour.round(range(len(parts)), ends=end is not None)
         site = Site(floor, tool, wanted, labels)
         path = _driven(site, parts, round_)
-        polish = Polish(floor=floor, tool=tool, wanted=wanted, trade=self.trade, bend=self.bend_m / resolution_m)
-        return Covered(polish(path), [parts[visit.part].room for visit in round_.visits], wanted, tool)
+        for share in LEVELS:
+            path = Polish(floor=floor, tool=tool, wanted=wanted, trade=self.trade*share, bend=self.bend_m / resolution_m, leave=self.leave)(path)
+        return Covered(path, [parts[visit.part].room for visit in round_.visits], wanted, tool)
 
 
 @dataclass(frozen=True, eq=False)

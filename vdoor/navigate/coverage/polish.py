@@ -50,6 +50,10 @@ class Worth(NamedTuple):
 
     gain: Floats
     """In cells (k,)."""
+    lost: Ints
+    """How many more wanted cells stay uncovered (k,)."""
+    spare: float
+    """How many may."""
     change: Ints
     cell: Ints
     """Cells whose only sweeps a change touches, sorted by change (n,)."""
@@ -67,6 +71,8 @@ class Polish:
     """How much area may be lost for a length saved, as a share of what the tool sweeps on that length."""
     bend: float
     """What a bend costs, as a length in cells."""
+    leave: float
+    """Largest share of the wanted cells that may stay uncovered for it."""
 
     def __call__(self, path: Path) -> Path:
         """The path after all worthwhile changes; its ends stay."""
@@ -79,6 +85,9 @@ class Polish:
                 break
             worth = self._worth(path, changes)
             taken = _independent(worth, changes, len(path.point), self.wanted.size)
+            taken = taken[np.cumsum(worth.lost[taken]) <= worth.spare]
+            if not len(taken):
+                break
             active = _touched(changes, np.flatnonzero(worth.gain > EPSILON), len(path.point))
             path, active = _changed(path, changes.chosen(taken), active)
         return path
@@ -128,8 +137,10 @@ class Polish:
         new, _ = _counted(np.concatenate([number * size + cell for number, cell in halves]))
         gained = new[times[new % size] == 0]
         lost = lost[new[np.minimum(np.searchsorted(new, lost), len(new) - 1)] != lost] if len(new) else lost
-        area = np.bincount(gained // size, minlength=len(start)) - np.bincount(lost // size, minlength=len(start))
-        return Worth(self._saved(path, changes) + area, change, old)
+        less = np.bincount(lost // size, minlength=len(start)) - np.bincount(gained // size, minlength=len(start))
+        wanted = np.count_nonzero(self.wanted)
+        spare = self.leave * wanted - (wanted - np.count_nonzero(times))
+        return Worth(self._saved(path, changes) - less, less, spare, change, old)
 
     def _swept(self, start: Floats, end: Floats) -> tuple[Ints, Ints]:
         segment, cell = self.tool.swept(start, end)
