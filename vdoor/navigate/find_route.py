@@ -34,6 +34,8 @@ Ints = NDArray[np.int32]
 
 ROBOT_RADIUS_M = 0.17
 """The radius of a usual robot vacuum."""
+BACK_AND_FORTH_M = 0.3
+"""A path along the jagged line between two rooms passes it again within this distance."""
 
 
 class Route(Record):
@@ -217,13 +219,18 @@ def crossed(topology: TopologicalMap, cells: Floats) -> list[int]:
         return []
     rooms, places = _rooms_along(topology, cells)
     pair = np.sort(np.stack([topology.room_a, topology.room_b], axis=1), axis=1)
-    found = []
+    found: list[tuple[int, Floats]] = []
     for at, ends in enumerate(pairwise(rooms.tolist())):
         rows = np.flatnonzero((pair == sorted(ends)).all(axis=1))
         apart = [float(to_segment_m(places[at][None], *_line_m(topology, row))[0]) for row in rows.tolist()]
-        if apart:
-            found.append(int(rows[np.argmin(apart)]) + 1)
-    return found
+        if not apart:
+            continue
+        door = int(rows[np.argmin(apart)]) + 1
+        if found and found[-1][0] == door and math.dist(found[-1][1], places[at]) < BACK_AND_FORTH_M:
+            found.pop()
+        else:
+            found.append((door, places[at]))
+    return [door for door, _ in found]
 
 
 def _line_m(topology: TopologicalMap, row: int) -> tuple[Floats, Floats]:

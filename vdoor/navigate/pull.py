@@ -16,11 +16,12 @@ Floats = NDArray[np.float64]
 STRIDES = (16, 8, 4, 2, 1)
 """How far a bend is moved at a time, in cells."""
 MOVES = np.array([(row * by, col * by) for by in STRIDES for row in (-1, 0, 1) for col in (-1, 0, 1) if row or col])
-ROUNDS = 4
-"""Bends are moved at most that often: the first moves gain most."""
+CUTS = np.array([0.5, 0.25])[:, None, None]
+"""A corner is cut at these shares of its two sides."""
 AHEAD = 16
 """Points are passed by up to this many at a time."""
-LEAST_GAIN = 1e-9
+LEAST_GAIN, LEAST_CUT = 1e-9, 0.05
+"""What a bend moved, and a corner cut, must save, in cells."""
 
 
 def pulled(points: Sequence[Cell], sight: Sight) -> list[Cell]:
@@ -29,14 +30,11 @@ def pulled(points: Sequence[Cell], sight: Sight) -> list[Cell]:
     Every piece of the result is one of the given path, or keeps the clearance along its whole length. Bends are cells.
     """
     path = _shortcut(bends(points), sight)
-    moved = False
-    for _ in range(ROUNDS):
-        if len(path) < 3 or not (changed := _better(path, sight)):  # noqa: PLR2004  # two ends and a bend
-            break
-        for at, place in changed:
-            path[at] = place
-        moved = True
-    return _shortcut(path, sight) if moved else path
+    for tightened in (_moved, _cut, _cut, _moved):
+        if len(path) < 3:  # noqa: PLR2004  # two ends and a bend
+            return path
+        path = tightened(path, sight)
+    return _shortcut(path, sight)
 
 
 def bends(points: Sequence[Cell]) -> list[Cell]:
@@ -71,22 +69,40 @@ def _shortcut(points: list[Cell], sight: Sight) -> list[Cell]:
     return [points[at] for at in reversed(kept)]
 
 
-def _better(path: list[Cell], sight: Sight) -> list[tuple[int, Cell]]:
-    """Bends to move, no two of them neighbours, each to the place with a clear way that makes the path shortest."""
+def _moved(path: list[Cell], sight: Sight) -> list[Cell]:
+    """The path with bends moved, no two neighbours at once, each to the place that makes it shortest."""
     place = np.array(path, np.float64)
     before, bend, after = place[:-2, None], place[1:-1, None], place[2:, None]
-    places = bend + MOVES
-    gain = _apart(before, bend) + _apart(bend, after) - _apart(before, places) - _apart(places, after)
-    row, move = np.nonzero((gain > LEAST_GAIN) & sight.fits(places))
-    to = places[row, move]
-    clear = sight.all_clear(np.concatenate([place[row], place[row + 2]]), np.concatenate([to, to]))
-    both = clear[: len(row)] & clear[len(row) :]
-    chosen: dict[int, Cell] = {}
-    for at in np.flatnonzero(both)[np.argsort(-gain[row[both], move[both]], kind="stable")].tolist():
+    to = bend + MOVES
+    gain = _apart(before, bend) + _apart(bend, after) - _apart(before, to) - _apart(to, after)
+    row, move = np.nonzero((gain > LEAST_GAIN) & sight.fits(to))
+    return _changed(path, [to[row, move]], row, gain[row, move], sight)
+
+
+def _cut(path: list[Cell], sight: Sight) -> list[Cell]:
+    """The path with corners cut, no two neighbours at once, each where that makes it shortest."""
+    place = np.array(path, np.float64)
+    before, bend, after = place[:-2], place[1:-1], place[2:]
+    one, other = np.rint(bend + (before - bend) * CUTS), np.rint(bend + (after - bend) * CUTS)
+    gain = _apart(before, bend) + _apart(bend, after) - _apart(before, one) - _apart(one, other) - _apart(other, after)
+    share, row = np.nonzero((gain > LEAST_CUT) & sight.fits(one) & sight.fits(other))
+    return _changed(path, [one[share, row], other[share, row]], row, gain[share, row], sight)
+
+
+def _changed(path: list[Cell], new: list[Floats], row: NDArray[np.intp], gain: Floats, sight: Sight) -> list[Cell]:
+    """The path with some bends replaced, where the way stays clear, those first that gain most.
+
+    Of k changes, each replaces the bend at `row` + 1 by one point (k, 2) of each of `new`.
+    """
+    place = np.array(path, np.float64)
+    ways = [place[row], *new, place[row + 2]]
+    clear = sight.all_clear(np.concatenate(ways[:-1]), np.concatenate(ways[1:])).reshape(len(ways) - 1, -1).all(axis=0)
+    chosen: dict[int, list[Cell]] = {}
+    for at in np.flatnonzero(clear)[np.argsort(-gain[clear], kind="stable")].tolist():
         number = int(row[at]) + 1
         if not {number - 1, number, number + 1} & chosen.keys():
-            chosen[number] = (int(to[at, 0]), int(to[at, 1]))
-    return [*chosen.items()]
+            chosen[number] = [(int(point[at, 0]), int(point[at, 1])) for point in new]
+    return [point for at, old in enumerate(path) for point in chosen.get(at, [old])]
 
 
 def _apart(one: Floats, other: Floats) -> Floats:

@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 import functools
+import math
 import struct
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from vdoor.errors import RecordingError
 
@@ -71,3 +75,16 @@ def pose(x_m: float = 0.0, y_m: float = 0.0, *, z: float = 0.0, w: float = 1.0) 
     """Pose at height 0, rotated about the vertical by the quaternion (0, 0, z, w)."""
     turn = make("geometry_msgs/msg/Quaternion", x=0.0, y=0.0, z=float(z), w=float(w))
     return make("geometry_msgs/msg/Pose", position=point(x_m, y_m), orientation=turn)
+
+
+def path(point_m: NDArray[np.float64], yaw_rad: NDArray[np.float64], *, time_ns: int) -> Any:
+    """nav_msgs/Path through points (k, 2), x, y in metres, with the heading (k,) at each."""
+    poses = [
+        make(
+            "geometry_msgs/msg/PoseStamped",
+            header=header(time_ns),
+            pose=pose(*at, z=math.sin(yaw / 2), w=math.cos(yaw / 2)),
+        )
+        for at, yaw in zip(point_m.tolist(), yaw_rad.tolist(), strict=True)
+    ]
+    return make("nav_msgs/msg/Path", header=header(time_ns), poses=poses)

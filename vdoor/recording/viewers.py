@@ -19,8 +19,8 @@ from vdoor.grid import FREE_TO
 from vdoor.record import Record, sizes
 from vdoor.recording import ros
 
-MARKERS, PICTURE, LOG = "/vdoor/markers", "/vdoor/map/picture", "/rosout"
-TOPICS = (MARKERS, PICTURE, LOG)
+MARKERS, PICTURE, PATH, LOG = "/vdoor/markers", "/vdoor/map/picture", "/vdoor/route/path", "/rosout"
+TOPICS = (MARKERS, PICTURE, PATH, LOG)
 INFO = 20
 CUBE_LIST, LINE_LIST, TEXT, DELETE_ALL = 6, 5, 9, 3
 PICTURE_TO_PX = 4096
@@ -42,6 +42,13 @@ def for_viewers(
         yield MARKERS, "visualization_msgs/msg/MarkerArray", ros.pack(_markers(record, time_ns))
     if record.topic == "map" and cells is not None:
         yield PICTURE, "sensor_msgs/msg/CompressedImage", ros.pack(_picture(record, time_ns, cells=cells))
+    if record.topic == "route":
+        yield PATH, "nav_msgs/msg/Path", ros.pack(ros.path(*_path(record), time_ns=time_ns))
+
+
+def _path(record: Any) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Points and headings of a route."""
+    return record.point_m, record.yaw_rad
 
 
 def _log(record: Record, time_ns: int) -> Any:

@@ -60,15 +60,19 @@ def files_of(path: Path) -> list[Path]:
 
 def read_last(path: Path, *, provenance: bool = False) -> Finished:
     """The result at the end of a recording; raises `RecordingError` if the run is not finished."""
-    topic = "nothing"
+    topic, found = "nothing", None
     recording = read_recording(path, types=RECORDS)
     origin = Provenance.of(recording.info) if provenance else None
     for step, record in recording:
         topic = record.topic
         if isinstance(record, TopologicalMap):
-            return Finished(in_own_frame(record, recording.info.source), origin, recording.info.settings)
-        if origin:
+            found = Finished(in_own_frame(record, recording.info.source), origin, recording.info.settings)
+        elif origin:
             origin.run.write(step, record)
+        if found and not origin:
+            break
+    if found:
+        return found
     raise RecordingError(f"recording: wanted a finished run, found one that ends with {topic}: {path}")
 
 
