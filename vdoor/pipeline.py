@@ -34,6 +34,7 @@ from vdoor.method.search.optimisers import AnnealingSearch, ExhaustiveSearch, Ge
 from vdoor.method.search.problem import MergeProblem
 from vdoor.method.simplify import SimplifiedGrid, SimplifyGrid
 from vdoor.method.wide_doors import ProposeWideDoors
+from vdoor.navigate.cover_floor import Coverage, CoverFloor
 from vdoor.navigate.find_route import FindRoute, Route
 from vdoor.navigate.tasks import WithTasks, done
 from vdoor.record import Record
@@ -58,6 +59,7 @@ RECORDS: tuple[type[Record], ...] = (
     Edits,
     TopologicalMap,
     Route,
+    Coverage,
 )
 """All records that runs emit, in this order, with one `Generation` per generation of the search. The ones that a given
 pipeline emits are its `records`."""
@@ -104,6 +106,7 @@ class Pipeline(WithTasks):
     merge: MergeRooms = field(default_factory=MergeRooms)
     edit: EditRooms = field(default_factory=EditRooms)
     route: FindRoute = field(default_factory=FindRoute)
+    cover: CoverFloor = field(default_factory=CoverFloor)
 
     @property
     def records(self) -> tuple[type[Record], ...]:

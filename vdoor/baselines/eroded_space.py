@@ -18,6 +18,7 @@ from vdoor.emit import Emit, silent
 from vdoor.frame import Frame
 from vdoor.grid import FREE, OccupancyGrid
 from vdoor.method.simplify import SimplifiedGrid, SimplifyGrid
+from vdoor.navigate.cover_floor import CoverFloor
 from vdoor.navigate.find_route import FindRoute
 from vdoor.navigate.tasks import WithTasks, done, records_of
 from vdoor.raster.labels import at_input, flooded, numbered, whole
@@ -110,6 +111,7 @@ class ErodedSpacePipeline(WithTasks):
     label: LabelRooms = field(default_factory=LabelRooms)
     edit: EditRooms = field(default_factory=EditRooms)
     route: FindRoute = field(default_factory=FindRoute)
+    cover: CoverFloor = field(default_factory=CoverFloor)
 
     @property
     def records(self) -> tuple[type[Record], ...]:

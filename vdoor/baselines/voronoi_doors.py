@@ -19,6 +19,7 @@ from vdoor.method.search.costs import MapCost
 from vdoor.method.search.generation import Generation, summary
 from vdoor.method.search.problem import MergeProblem
 from vdoor.method.simplify import SimplifiedGrid, SimplifyGrid
+from vdoor.navigate.cover_floor import CoverFloor
 from vdoor.navigate.find_route import FindRoute
 from vdoor.navigate.tasks import WithTasks, done, records_of
 from vdoor.raster.lines import lines_between
@@ -74,6 +75,7 @@ class VoronoiDoorsPipeline(WithTasks):
     merge: MergeRooms = field(default_factory=MergeRooms)
     edit: EditRooms = field(default_factory=EditRooms)
     route: FindRoute = field(default_factory=FindRoute)
+    cover: CoverFloor = field(default_factory=CoverFloor)
 
     @property
     def records(self) -> tuple[type[Record], ...]:

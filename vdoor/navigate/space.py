@@ -56,10 +56,10 @@ class Space:
         links = [(one[:, :-1], other[:, 1:]), (one[:, 1:], other[:, :-1])]
         pairs = [np.stack([a[self._joined(a, b)], b[self._joined(a, b)]]) for a, b in links]
         part = components(np.concatenate(pairs, axis=1).astype(np.intp) - 1, count)
-        return np.concatenate([[0], part + 1]).astype(np.int32)[label]
+        return np.asarray(np.concatenate([[0], part + 1]).astype(np.int32)[label])
 
-    def _joined(self, one: Ints, other: Ints) -> Mask:
-        return self.crossing & (one > 0) & (other > 0) & (one != other)
+    def _joined(self, one: NDArray[np.integer], other: NDArray[np.integer]) -> Mask:
+        return np.asarray(self.crossing & (one > 0) & (other > 0) & (one != other))
 
     def graph(self, cells: Mask) -> tuple[csr_array, Ints]:
         """The steps between some allowed cells (h, w) as a graph weighted by length in metres, and each cell's node.

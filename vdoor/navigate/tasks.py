@@ -7,6 +7,7 @@ from typing import Protocol
 
 from vdoor.emit import Emit
 from vdoor.grid import OccupancyGrid
+from vdoor.navigate.cover_floor import CoverFloor
 from vdoor.navigate.find_route import FindRoute
 from vdoor.record import Record
 from vdoor.topology import TopologicalMap
@@ -34,11 +35,12 @@ class WithTasks:
     """What pipelines have in common: each has a field for every task."""
 
     route: FindRoute
+    cover: CoverFloor
 
     @property
     def tasks(self) -> tuple[Task, ...]:
         """The stages after the final map, most of them not asked for."""
-        return (self.route,)
+        return (self.route, self.cover)
 
 
 def records_of(tasks: Sequence[Task]) -> tuple[type[Record], ...]:

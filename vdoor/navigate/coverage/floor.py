@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import shapely
+import shapely.affinity
 from numpy.typing import NDArray
 from scipy import ndimage
 
@@ -90,6 +91,13 @@ def _spans(first: NDArray[np.intp], count: int) -> list[tuple[int, int]]:
     return list(zip(first.tolist(), [*first[1:].tolist(), count], strict=True))
 
 
+def grown(shape: shapely.Polygon | shapely.MultiPolygon, distance: float) -> shapely.Geometry:
+    """A shape grown by a distance, with its corners, ready to be asked often."""
+    larger = shape.buffer(distance, join_style="mitre")
+    shapely.prepare(larger)
+    return larger
+
+
 def parts_of(shape: shapely.Geometry) -> list[shapely.Polygon]:
     """The polygons of a shape, without points and lines."""
     return [part for part in shapely.get_parts(shape) if isinstance(part, shapely.Polygon) and part.area > 0]
@@ -101,9 +109,9 @@ def room_parts(floor: shapely.MultiPolygon, labels: Ints) -> list[Part]:
     for room, box in enumerate(ndimage.find_objects(labels), start=1):
         if box is None:
             continue
-        row, col = box[0].start, box[1].start
-        own = [shapely.transform(shape, lambda at: at + (row, col)) for shape in outlines(labels[box] == room)]
-        near = shapely.clip_by_rect(floor, row - 1, col - 1, box[0].stop, box[1].stop)
-        inside = shapely.intersection(near, shapely.union_all(own))
+        corner = np.array([box[0].start, box[1].start], np.float64)
+        own = shapely.affinity.translate(shapely.union_all(outlines(labels[box] == room)), *corner)
+        near = shapely.clip_by_rect(floor, box[0].start - 1, box[1].start - 1, box[0].stop, box[1].stop)
+        inside = shapely.intersection(near, own)
         found += [Part(room, part) for part in parts_of(inside)]
     return found

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vdoor.frame import Frame
-from vdoor.navigate.coverage.path import Path
+from vdoor.navigate.coverage.path import Path, norms
 from vdoor.navigate.coverage.sweep import Tool, consecutive
 
 Mask = NDArray[np.bool_]
@@ -45,7 +45,7 @@ class Measures:
     """Least distance from the path to the edge of a cell that must not be touched."""
     room_changes: int
     """How often the path goes from one room into another, and stays there for longer than the tool is wide."""
-    room_done_s: tuple[float, ...]
+    visit_done_s: tuple[float, ...]
     """When each visit is finished."""
 
 
@@ -58,7 +58,7 @@ class Motion:
 
     def times_s(self, path: Path, resolution_m: float) -> Floats:
         """When the robot is at each point (k,): straight at its speed, and on the spot at each turn."""
-        lengths_m = np.hypot(*np.diff(path.point, axis=0).T) * resolution_m
+        lengths_m = norms(np.diff(path.point, axis=0)) * resolution_m
         bends = path.bends_rad()
         turning = np.concatenate([[0.0], np.where(bends > TURN_RAD, bends, 0.0)]) / self.turn_rad_s
         return np.concatenate([[0.0], np.cumsum(turning[: len(lengths_m)] + lengths_m / self.speed_m_s)])
@@ -87,18 +87,18 @@ def measured(
         time_s=float(times_s[-1]),
         clearance_m=clearance(path.point, tool.blocked, radius_m / frame.resolution_m) * frame.resolution_m,
         room_changes=len(rooms_passed(path, labels, 2 * tool.reach)) - 1,
-        room_done_s=tuple(_done_s(path, times_s)),
+        visit_done_s=tuple(_done_s(path, times_s)),
     )
 
 
-def _share(part: float, whole: float) -> float:
-    return part / whole if whole else 0.0
+def _share(part: float | np.integer, whole: float | np.integer) -> float:
+    return float(part) / float(whole) if whole else 0.0
 
 
 def _again(path: Path, tool: Tool) -> Mask:
     """The cells (h w,) that are swept again after the path has gone on by more than the tool's width."""
     segment, cell = tool.swept(path.point[:-1], path.point[1:])
-    gone = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(path.point, axis=0).T))])
+    gone = np.concatenate([[0.0], np.cumsum(norms(np.diff(path.point, axis=0)))])
     order = np.lexsort((segment, cell))
     segment, cell = segment[order], cell[order]
     later = (cell[1:] == cell[:-1]) & (gone[segment[1:]] - gone[segment[:-1] + 1] > 2 * tool.reach)
@@ -118,7 +118,7 @@ def rooms_passed(path: Path, labels: Labels, least: float) -> list[int]:
 
     The path is looked at once a cell.
     """
-    steps = np.maximum(np.ceil(np.hypot(*np.diff(path.point, axis=0).T)), 1).astype(np.intp)
+    steps = np.maximum(np.ceil(norms(np.diff(path.point, axis=0))), 1).astype(np.intp)
     segment = np.repeat(np.arange(len(steps)), steps)
     share = (consecutive(np.zeros_like(steps), steps) + 0.5) / steps[segment]
     at = path.point[segment] + share[:, None] * (path.point[segment + 1] - path.point[segment])
@@ -128,7 +128,7 @@ def rooms_passed(path: Path, labels: Labels, least: float) -> list[int]:
         length = np.diff(np.append(first, len(room)))
         kept = (room[first] > 0) & (length >= enough)
         room = np.repeat(room[first][kept], length[kept])
-    return room[np.concatenate([[True], room[1:] != room[:-1]])[: len(room)]].tolist()
+    return [int(number) for number in room[np.concatenate([[True], room[1:] != room[:-1]])[: len(room)]]]
 
 
 def clearance(point: Floats, blocked: Mask, expected: float) -> float:
@@ -148,10 +148,10 @@ def clearance(point: Floats, blocked: Mask, expected: float) -> float:
 
 
 def _to_square(point: Floats, square: Floats) -> Floats:
-    return np.hypot(*np.maximum(np.abs(point - square) - 0.5, 0).T)
+    return norms(np.maximum(np.abs(point - square) - 0.5, 0))
 
 
 def _to_segment(point: Floats, start: Floats, end: Floats) -> Floats:
     along = end - start
     share = ((point - start) * along).sum(axis=1) / np.maximum((along**2).sum(axis=1), 1e-12)
-    return np.hypot(*(point - start - np.clip(share, 0, 1)[:, None] * along).T)
+    return norms(point - start - np.clip(share, 0, 1)[:, None] * along)

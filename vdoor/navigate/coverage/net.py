@@ -11,7 +11,8 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components, dijkstra
 from scipy.spatial import Delaunay, QhullError, cKDTree
 
-from vdoor.navigate.coverage.floor import SNAP
+from vdoor.navigate.coverage.floor import SNAP, grown
+from vdoor.navigate.coverage.path import norms
 
 Ints = NDArray[np.intp]
 Floats = NDArray[np.float64]
@@ -30,22 +31,22 @@ class Net:
     """Row, col of the points and then the corners (k, 2)."""
     distance: Floats
     """Length of the way between two of the points, in cells; infinite without one."""
-    before: Ints
+    before: NDArray[np.int32]
     """The node before each node on the way from each point; negative for none."""
 
     @classmethod
-    def over(cls, floor: shapely.Geometry, points: Floats, lines: Ints | None = None) -> Net:
+    def over(cls, floor: shapely.Polygon | shapely.MultiPolygon, points: Floats, lines: Ints | None = None) -> Net:
         """The net of points (k, 2) inside `floor`; `lines` (n, 2) between points are known to stay inside."""
         corners, sides = _corners(floor)
         node = np.concatenate([points, corners])
         sure = [sides + len(points), *([] if lines is None else [lines])]
-        inside = floor.buffer(SNAP, join_style="mitre")
+        inside = grown(floor, SNAP)
         shapely.prepare(inside)
         tried = _pairs(node, len(points))
         seen = tried[shapely.covers(inside, shapely.linestrings(node[tried]))]
         pair = np.unique(np.sort(np.concatenate([*sure, seen]), axis=1), axis=0)
         pair = np.concatenate([pair, _bridges(node, pair, inside)])
-        length = np.maximum(np.hypot(*(node[pair[:, 0]] - node[pair[:, 1]]).T), SHORTEST)
+        length = np.maximum(norms(node[pair[:, 0]] - node[pair[:, 1]]), SHORTEST)
         graph = coo_array((length, (pair[:, 0], pair[:, 1])), shape=(len(node), len(node))).tocsr()
         distance, before = dijkstra(graph, directed=False, indices=np.arange(len(points)), return_predecessors=True)
         return cls(node, distance[:, : len(points)], before)

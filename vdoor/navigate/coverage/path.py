@@ -31,7 +31,7 @@ class Path:
     def joined(cls, stretches: list[Path]) -> Path:
         """One path out of stretches that follow each other; points at the same place become one."""
         point = np.concatenate([stretch.point for stretch in stretches])
-        kept = np.concatenate([[True], np.hypot(*np.diff(point, axis=0).T) > SAME_PLACE])
+        kept = np.concatenate([[True], norms(np.diff(point, axis=0)) > SAME_PLACE])
         kind = np.concatenate([stretch.kind for stretch in stretches])
         visit = np.concatenate([stretch.visit for stretch in stretches])
         return cls(point[kept], kind[kept], visit[kept])
@@ -44,14 +44,19 @@ class Path:
     @property
     def length(self) -> float:
         """Its length in cells."""
-        return float(np.hypot(*np.diff(self.point, axis=0).T).sum())
+        return float(norms(np.diff(self.point, axis=0)).sum())
 
     def bends_rad(self) -> Floats:
         """The change of heading (k - 2,) at each inner point, 0 to pi."""
         return bends_rad(self.point[:-2], self.point[1:-1], self.point[2:])
 
 
+def norms(vector: Floats) -> Floats:
+    """The lengths (k,) of vectors (k, 2)."""
+    return np.asarray(np.sqrt((vector**2).sum(axis=1)))
+
+
 def bends_rad(before: Floats, at: Floats, after: Floats) -> Floats:
     """The change of heading (k,) on the ways over `at`, 0 to pi; 0 where two points are at the same place."""
     one, other = at - before, after - at
-    return np.abs(np.arctan2(one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0], (one * other).sum(axis=1)))
+    return np.asarray(np.abs(np.arctan2(one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0], (one * other).sum(axis=1))))

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 import shapely
 from numpy.typing import NDArray
 from scipy import ndimage
+
+from vdoor.navigate.coverage.path import norms
 
 Mask = NDArray[np.bool_]
 Floats = NDArray[np.float64]
@@ -41,7 +44,7 @@ class Piece:
 
 
 def wall_passes(part: shapely.Polygon, boundary: shapely.Geometry, width: float) -> list[Piece]:
-    """Passes along those lines of the whole floor's `boundary` that lie in one part: none along the cuts at its doors."""
+    """Passes along the lines of the whole floor's `boundary` that lie in one part: none along cuts at doors."""
     inside = part.buffer(ON_BOUNDARY)
     along = shapely.intersection(shapely.clip_by_rect(boundary, *inside.bounds), inside)
     lines = [line for line in shapely.get_parts(shapely.line_merge(along)) if line.length > 2 * ON_BOUNDARY]
@@ -50,24 +53,27 @@ def wall_passes(part: shapely.Polygon, boundary: shapely.Geometry, width: float)
 
 def _cut(point: Floats, width: float) -> list[Floats]:
     """A line cut at vertices into pieces of about equal lengths; a ring into four at least, so it is met anywhere."""
-    gone = np.concatenate([[0], np.cumsum(np.hypot(*np.diff(point, axis=0).T))])
+    gone = np.concatenate([[0], np.cumsum(norms(np.diff(point, axis=0)))])
     count = max(4 if (point[0] == point[-1]).all() else 1, round(gone[-1] / (PASS_LENGTH * width)))
     inner = np.searchsorted(gone, np.linspace(0, gone[-1], count + 1)[1:-1])
     at = np.unique([0, *inner.tolist(), len(point) - 1])
-    return [point[a : b + 1] for a, b in zip(at[:-1], at[1:], strict=True)]
+    return [point[a : b + 1] for a, b in pairwise(at.tolist())]
 
 
 def lanes(uncovered: Mask, part: shapely.Polygon, width: float) -> list[Piece]:
     """Lanes that sweep the uncovered cells (h, w) of a part, for each connected patch in the cheapest direction."""
     patch, count = ndimage.label(uncovered, np.ones((3, 3)))
-    cell = np.argwhere(uncovered)
-    patches = np.split(cell[np.argsort(own := patch[uncovered], kind="stable")], np.cumsum(np.bincount(own)[1:])[:-1])
-    turned = [rad for rad in _directions_rad(part, width)]
-    lines = [min((_lanes(cells, rad, width) for rad in turned), key=lambda found: _cost(found, width)) for cells in
-             patches if len(cells) >= LEAST_CELLS]
-    inside = shapely.intersection(shapely.linestrings(np.concatenate(lines)), part) if count and lines else []
-    found = [line for lane in inside for line in shapely.get_parts(lane)]
-    return [Piece("lane", _ends(line)) for line in found if not line.is_empty]
+    own = patch[uncovered]
+    cell = np.argwhere(uncovered)[np.argsort(own, kind="stable")].astype(np.float64)
+    ends = np.cumsum(np.bincount(own, minlength=count + 1))
+    turned = _directions_rad(part, width)
+    found = []
+    for first, last in pairwise(ends.tolist()):
+        if last - first >= LEAST_CELLS:
+            tried = [_lanes(cell[first:last], rad, width) for rad in turned]
+            found += list(tried[int(np.argmin([_cost(lines, width) for lines in tried]))])
+    inside = (shapely.intersection(shapely.LineString(line), part) for line in found)
+    return [Piece("lane", _ends(lane)) for line in inside for lane in shapely.get_parts(line) if not lane.is_empty]
 
 
 def _ends(line: shapely.Geometry) -> Floats:
@@ -78,19 +84,21 @@ def _ends(line: shapely.Geometry) -> Floats:
 def _directions_rad(part: shapely.Polygon, width: float) -> list[float]:
     """Directions of lanes: the map's axes, and those of the walls where they differ."""
     side = np.diff(shapely.get_coordinates(part.exterior.simplify(width / 2)), axis=0)
-    angle_rad, length = np.arctan2(side[:, 1], side[:, 0]), np.hypot(side[:, 0], side[:, 1])
+    angle_rad, length = np.arctan2(side[:, 1], side[:, 0]), norms(side)
     walls_rad = float(np.angle((length * np.exp(4j * angle_rad)).sum())) / 4  # -45 to 45 degrees
     turned = [] if abs(walls_rad) < SAME_DIRECTION_RAD else [walls_rad, walls_rad + math.pi / 2]
     return [0.0, math.pi / 2, *turned]
 
 
 def _cost(lines: Floats, width: float) -> float:
-    return float(np.hypot(*(lines[:, 1] - lines[:, 0]).T).sum() + LANE_COST * width * len(lines))
+    return float(norms(lines[:, 1] - lines[:, 0]).sum() + LANE_COST * width * len(lines))
 
 
 def _lanes(cell: Floats, direction_rad: float, width: float) -> Floats:
     """Lanes (k, 2, 2) in one direction, as far apart as the tool is wide or closer, over the cells of one patch."""
-    axes = np.array([[math.cos(direction_rad), math.sin(direction_rad)], [-math.sin(direction_rad), math.cos(direction_rad)]])
+    axes = np.array(
+        [[math.cos(direction_rad), math.sin(direction_rad)], [-math.sin(direction_rad), math.cos(direction_rad)]]
+    )
     along, across = axes @ cell.T
     low, high = across.min() - 0.5, across.max() + 0.5
     count = max(1, math.ceil((high - low) / width - 1e-6))

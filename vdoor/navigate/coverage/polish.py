@@ -13,8 +13,8 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from vdoor.navigate.coverage.floor import SNAP
-from vdoor.navigate.coverage.path import Path, bends_rad
+from vdoor.navigate.coverage.floor import SNAP, grown
+from vdoor.navigate.coverage.path import Path, bends_rad, norms
 from vdoor.navigate.coverage.sweep import Tool, consecutive
 
 Mask = NDArray[np.bool_]
@@ -34,7 +34,7 @@ class Changes(NamedTuple):
 
     first: Ints
     """The point before the first segment that goes (k,)."""
-    count: Ints
+    gone: Ints
     """The number of segments that go (k,)."""
     middle: Floats
     """The point between the two new segments (k, 2)."""
@@ -42,7 +42,8 @@ class Changes(NamedTuple):
     """Whether that point is no bend and is left out (k,)."""
 
     def chosen(self, which: Ints) -> Changes:
-        return Changes(*(column[which] for column in self))
+        """Some of them."""
+        return Changes(self.first[which], self.gone[which], self.middle[which], self.straight[which])
 
 
 class Worth(NamedTuple):
@@ -76,7 +77,7 @@ class Polish:
 
     def __call__(self, path: Path) -> Path:
         """The path after all worthwhile changes; its ends stay."""
-        inside = self.floor.buffer(SNAP, join_style="mitre")
+        inside = grown(self.floor, SNAP)
         shapely.prepare(inside)
         active = np.ones(len(path.point), np.bool_)
         for _ in range(MOST_ROUNDS):
@@ -97,27 +98,31 @@ class Polish:
         found = (_left_out(path.point), _joined(path.point, 2 * LONGEST_EXTENSION * self.tool.reach))
         changes = Changes(*(np.concatenate(columns) for columns in zip(*found, strict=True)))
         near = np.cumsum(np.concatenate([[0], active]))
-        changes = changes.chosen(np.flatnonzero(near[changes.first + changes.count + 1] > near[changes.first]))
+        changes = changes.chosen(np.flatnonzero(near[changes.first + changes.gone + 1] > near[changes.first]))
         changes = changes.chosen(np.flatnonzero(self._saved(path, changes) > EPSILON))
-        corners = np.stack([path.point[changes.first], changes.middle, path.point[changes.first + changes.count]], axis=1)
+        corners = np.stack(
+            [path.point[changes.first], changes.middle, path.point[changes.first + changes.gone]], axis=1
+        )
         return changes.chosen(np.flatnonzero(shapely.covers(inside, shapely.linestrings(corners))))
 
     def _saved(self, path: Path, changes: Changes) -> Floats:
         """Length and bends that changes save (k,), in cells of area."""
         point = path.point
-        start, end = changes.first, changes.first + changes.count
-        gone = np.concatenate([[0], np.cumsum(np.hypot(*np.diff(point, axis=0).T))])
+        start, end = changes.first, changes.first + changes.gone
+        gone = np.concatenate([[0], np.cumsum(norms(np.diff(point, axis=0)))])
         bent = np.concatenate([[0, 0], np.cumsum(path.bends_rad() > BEND_RAD)])
         bent = np.append(bent, bent[-1])
         one, other = point[start] - changes.middle, point[end] - changes.middle
-        shorter = gone[end] - gone[start] - np.hypot(*one.T) - np.hypot(*other.T)
+        shorter = gone[end] - gone[start] - norms(one) - norms(other)
         before, after = point[np.maximum(start - 1, 0)], point[np.minimum(end + 1, len(point) - 1)]
         bends = (
             (bends_rad(before, point[start], changes.middle) > BEND_RAD).astype(np.intp)
             + (bends_rad(changes.middle, point[end], after) > BEND_RAD)
             + ~changes.straight
         )
-        return 2 * self.tool.reach * self.trade * (shorter + self.bend * (bent[end + 1] - bent[start] - bends))
+        return np.asarray(
+            2 * self.tool.reach * self.trade * (shorter + self.bend * (bent[end + 1] - bent[start] - bends))
+        )
 
     def _worth(self, path: Path, changes: Changes) -> Worth:
         """What is saved, less the wanted cells that only the old segments sweep, plus those that are new."""
@@ -125,14 +130,14 @@ class Polish:
         segment, cell = self._swept(path.point[:-1], path.point[1:])
         times = np.bincount(cell, minlength=size)
         begin = np.searchsorted(segment, np.arange(len(path.point)))
-        start, end = begin[changes.first], begin[changes.first + changes.count]
+        start, end = begin[changes.first], begin[changes.first + changes.gone]
         change = np.repeat(np.arange(len(start)), end - start)
         old = cell[consecutive(start, end - start)]
-        few = times[old] <= changes.count[change]
+        few = times[old] <= changes.gone[change]
         change, old = change[few], old[few]
         own, sweeps = _counted(change * size + old)
         lost = own[times[own % size] == sweeps]
-        middle, far = changes.middle, path.point[changes.first + changes.count]
+        middle, far = changes.middle, path.point[changes.first + changes.gone]
         halves = (self._swept(path.point[changes.first], middle), self._swept(middle, far))
         new, _ = _counted(np.concatenate([number * size + cell for number, cell in halves]))
         gained = new[times[new % size] == 0]
@@ -171,7 +176,7 @@ def _joined(point: Floats, longest: float) -> Changes:
     on_last = (apart[:, 0] * along[:, 1] - apart[:, 1] * along[:, 0]) / divisor
     meeting = b + on_first[:, None] * along
     # nan compares false: parallel segments meet nowhere
-    near = (on_first > EPSILON) & (on_last > EPSILON) & (np.hypot(*(meeting - b).T) < longest)
+    near = (on_first > EPSILON) & (on_last > EPSILON) & (norms(meeting - b) < longest)
     first = np.flatnonzero(near)
     return Changes(first, np.full(len(first), 3), meeting[first], np.zeros(len(first), np.bool_))
 
@@ -183,7 +188,7 @@ def _independent(worth: Worth, changes: Changes, points: int, cells: int) -> Int
     good = np.flatnonzero(worth.gain > EPSILON)
     taken = []
     for change in good[np.argsort(-worth.gain[good], kind="stable")].tolist():
-        stretch = slice(int(changes.first[change]), int(changes.first[change] + changes.count[change]) + 1)
+        stretch = slice(int(changes.first[change]), int(changes.first[change] + changes.gone[change]) + 1)
         own = worth.cell[begin[change] : begin[change + 1]]
         if not used[stretch].any() and not touched[own].any():
             used[stretch] = True
@@ -195,14 +200,14 @@ def _independent(worth: Worth, changes: Changes, points: int, cells: int) -> Int
 def _touched(changes: Changes, which: Ints, points: int) -> Mask:
     """The points of the segments that some changes replace, or would."""
     touched = np.zeros(points, np.bool_)
-    touched[consecutive(changes.first[which], changes.count[which] + 1)] = True
+    touched[consecutive(changes.first[which], changes.gone[which] + 1)] = True
     return touched
 
 
 def _changed(path: Path, changes: Changes, active: Mask) -> tuple[Path, Mask]:
     """The path with independent changes made, and which of its points are active."""
     point, kept = path.point.copy(), np.ones(len(path.point), np.bool_)
-    kept[consecutive(changes.first + 1, changes.count - 1)] = False
+    kept[consecutive(changes.first + 1, changes.gone - 1)] = False
     bends = changes.first[~changes.straight] + 1
     point[bends], kept[bends] = changes.middle[~changes.straight], True
     return Path(point[kept], path.kind[kept], path.visit[kept]), active[kept]

@@ -117,9 +117,7 @@ def _rectangle(start: Floats, end: Floats, row: Ints, reach: float) -> Interval:
     within = _between(unit[:, 1], unit[:, 0] * down, 0.0, length)
     low, high = np.maximum(beside.low, within.low), np.minimum(beside.high, within.high)
     empty = (low > high) | (length < EPSILON)
-    return Interval(
-        np.where(empty, np.inf, low + start[:, 1]), np.where(empty, -np.inf, high + start[:, 1])
-    )
+    return Interval(np.where(empty, np.inf, low + start[:, 1]), np.where(empty, -np.inf, high + start[:, 1]))
 
 
 def _between(slope: Floats, offset: Floats, low: float, high: Floats) -> Interval:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import product
 from typing import NamedTuple
 
 import numpy as np
@@ -101,7 +103,8 @@ def tour_of(distance: Floats, piece: Ints, start: int, end: int | None) -> Tour:
 
 def _nearest_first(distance: Floats, piece: Ints, start: int, end: int) -> Tour:
     """Always the piece whose nearer end is nearest."""
-    order, sides = [], []
+    order: list[int] = []
+    sides: list[int] = []
     here = start
     todo = np.ones(len(piece), np.bool_)
     for _ in range(len(piece)):
@@ -111,9 +114,9 @@ def _nearest_first(distance: Floats, piece: Ints, start: int, end: int) -> Tour:
         sides.append(side)
         here = int(piece[chosen, 1 - side])
         todo[chosen] = False
-    stops, side = np.array(order, np.intp), np.array(sides, np.intp)
-    enter = np.concatenate([[start], piece[stops, side], [end]])
-    leave = np.concatenate([[start], piece[stops, 1 - side], [end]])
+    stops, first = np.array(order, np.intp), np.array(sides, np.intp)
+    enter = np.concatenate([[start], piece[stops, first], [end]])
+    leave = np.concatenate([[start], piece[stops, 1 - first], [end]])
     return Tour(enter, leave, np.concatenate([stops, [len(piece), len(piece) + 1]]))
 
 
@@ -134,22 +137,23 @@ def _tried(tour: Tour, near: Ints) -> Moves:
     """All moves that bring two near pieces side by side."""
     place = np.empty(len(tour.piece), np.intp)
     place[tour.piece] = np.arange(len(tour.piece))
-    pair = np.sort(place[near], axis=1)
-    one, other = pair.T
-    # reversals: the stretch behind one, or from one on
-    columns = [(one + 1, other, one, True), (one, other - 1, one - 1, True)]
+    one, other = np.sort(place[near], axis=1).T
+    stretches = list(_stretches(one, other))
+    first, last, after = (np.concatenate([stretch[column] for stretch in stretches]) for column in range(3))
+    backwards = np.repeat([stretch[3] for stretch in stretches], len(one))
+    end = len(tour.piece) - 1
+    possible = (first >= 1) & (first <= last) & (last < end) & (after >= 0) & (after < end)
+    possible &= (after < first) | (after > last)
+    possible &= (after != first - 1) | backwards
+    return Moves(first[possible], last[possible], after[possible], backwards[possible])
+
+
+def _stretches(one: Ints, other: Ints) -> Iterator[tuple[Ints, Ints, Ints, bool]]:
+    """Moves, as columns, that bring the stops `one` and `other`, the later ones, side by side."""
+    yield one + 1, other, one, True
+    yield one, other - 1, one - 1, True
     for length in range(1, LONGEST_MOVED + 1):
         for moved, fixed in ((one, other), (other, one)):
-            for first in {0, 1 - length}:
-                for after in (-1, 0):
-                    for backwards in (False, True):
-                        columns.append((moved + first, moved + first + length - 1, fixed + after, backwards))
-    first, last, after, backwards = (
-        np.concatenate([np.broadcast_to(column[part], len(one)) for column in columns]) for part in range(4)
-    )
-    stays = after == first - 1
-    outside = (after < first) | (after > last)
-    end = len(tour.piece) - 1
-    possible = (first >= 1) & (first <= last) & (last < end) & (after >= 0) & (after < end) & outside
-    possible &= ~stays | backwards
-    return Moves(first[possible], last[possible], after[possible], backwards[possible])
+            # the stretch begins or ends with the stop that is moved, and goes before or behind the other
+            for first, after, backwards in product(sorted({0, 1 - length}), (-1, 0), (False, True)):
+                yield moved + first, moved + first + length - 1, fixed + after, backwards

@@ -14,7 +14,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import dijkstra
 
 from vdoor.navigate.coverage.net import Net
-from vdoor.navigate.order import order_of
+from vdoor.navigate.order import best_order
 
 Ints = NDArray[np.intp]
 Floats = NDArray[np.float64]
@@ -57,7 +57,7 @@ class Parts:
     """Over the crossings, then a point in each part, then the start and the end."""
     distance: Floats
     """Between the points of the net, inside parts and over crossings, in cells."""
-    before: Ints
+    before: NDArray[np.int32]
     """The point before each point on the way from each point."""
     crossings: int
 
@@ -72,31 +72,33 @@ class Parts:
         for number, crossing in enumerate(crossings):
             inside[crossing.one].append(number)
             inside[crossing.other].append(number)
-        for number, end in enumerate(shapely.points(ends), start=len(points) + len(floors)):
+        for number, end in enumerate(map(shapely.Point, ends), start=len(points) + len(floors)):
             inside[int(shapely.distance(floors, end).argmin())].append(number)
         pair = np.array([pair for own in inside for pair in combinations(own, 2)], np.intp)
         length = net.distance[pair[:, 0], pair[:, 1]]
         graph = coo_array((length, (pair[:, 0], pair[:, 1])), shape=net.distance.shape).tocsr()
         return cls(net, *dijkstra(graph, directed=False, return_predecessors=True), len(points))
 
-    def round(self, wanted: Sequence[int], *, ends: bool) -> Round:
-        """Visits to those parts of `wanted` that can be reached, in the order of a short tour; to the end if it `ends`."""
+    def round(self, wanted: Sequence[int], *, ends: bool, ordered: bool = False) -> Round:
+        """Visits to the parts `wanted` that can be reached, to the end if it `ends`.
+
+        They are `ordered` already, or come in the order of a short tour.
+        """
         start, end = len(self.distance) - 2, len(self.distance) - 1
         anchor = self.crossings + np.array(wanted, np.intp)
-        chosen = np.array([start, *anchor[np.isfinite(self.distance[start, anchor])], end], np.intp)
-        between = self.distance[np.ix_(chosen, chosen)]
-        order = order_of(between if ends else between[:-1, :-1], start=0, end=len(chosen) - 1 if ends else None)
-        stops = chosen[list(order)].tolist()
+        stops = [start, *anchor[np.isfinite(self.distance[start, anchor])].tolist(), *([end] if ends else [])]
+        if not ordered:
+            between = self.distance[np.ix_(stops, stops)]
+            order = best_order(between, start=0, end=len(stops) - 1 if ends else None)
+            stops = [stops[place] for place in order.places]
         links = [self._crossed(one, other) for one, other in pairwise(stops)]
         links[0].insert(0, start)
         if ends:
             links[-1].append(end)
-        leaves = [self.net.point[link[0]] for link in links[1:]] + ([] if ends else [None])
         ways = [self._way(link) for link in links]
-        visits = [
-            Visit(stop - self.crossings, way, leave)
-            for stop, way, leave in zip(stops[1 : len(leaves) + 1], ways, leaves, strict=False)
-        ]
+        leaves = [way[0] for way in ways[1:]] + ([] if ends else [None])
+        parts = [stop - self.crossings for stop in stops[1 : len(leaves) + 1]]
+        visits = [Visit(part, way, leave) for part, way, leave in zip(parts, ways, leaves, strict=False)]
         return Round(visits, ways[-1] if ends else np.zeros((0, 2)))
 
     def _crossed(self, start: int, end: int) -> list[int]:
