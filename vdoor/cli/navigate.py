@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
     from vdoor.emit import RunInfo, Sink
     from vdoor.grid import OccupancyGrid
     from vdoor.navigate.find_route import FindRoute, Route
+    from vdoor.navigate.visits import Visits
     from vdoor.outputs import Outputs
     from vdoor.pipeline import AnyPipeline
     from vdoor.record import Record
@@ -121,23 +123,29 @@ def route(
         closed=tuple(closed or ()),
         radius_m=robot_radius,
     )
-    if is_result(source):
-        found, topology = _on_result(source, find, outputs)
-    else:
-        running = Running(
-            preset=preset,
-            assignments=set_,
-            seed=seed,
-            resolution_m=resolution,
-            unknown=unknown_value,
-            max_cells=max_cells,
-        )
-        found, topology = _on_map(source, find, running, outputs)
+    running = Running(
+        preset=preset, assignments=set_, seed=seed, resolution_m=resolution, unknown=unknown_value, max_cells=max_cells
+    )
+    with naming(source):
+        if is_result(source):
+            found, topology = _on_result(source, find, outputs)
+        else:
+            found, topology = _on_map(source, find, running, outputs)
     _tell(found, find, topology, as_json=as_json)
     if not found.found:
         raise typer.Exit(1)
     for item in exports:
         item.write(_driven(found))
+
+
+@contextmanager
+def naming(path: Path) -> Iterator[None]:
+    """Append the path to errors of settings, such as a room that the map does not have."""
+    try:
+        yield
+    except SettingError as error:
+        text = str(error)
+        raise SettingError(text if text.endswith(str(path)) else f"{text}: {path}") from error
 
 
 def _on_result(path: Path, find: FindRoute, outputs: Outputs) -> tuple[Route, TopologicalMap]:
@@ -219,3 +227,59 @@ def _driven(found: Route) -> Any:
 
     properties = {"length_m": found.length_m, "radius_m": found.radius_m, "doors": found.door.tolist()}
     return DrivenPath(found.point_m, found.yaw_rad, properties)
+
+
+def order(
+    result: Annotated[Path, typer.Argument(metavar="RESULT", help="An .mcap, or a folder from `vdoor run --out`.")],
+    *,
+    room: Annotated[
+        list[str] | None, typer.Option("--room", metavar="ROOM", help="Room to visit; repeatable; default: all rooms.")
+    ] = None,
+    start: Annotated[str | None, typer.Option(metavar="PLACE", help=f"Where to begin: {PLACE}.")] = None,
+    end: Annotated[str | None, typer.Option(metavar="PLACE", help=f"Where to end: {PLACE}.")] = None,
+    back: Annotated[bool, typer.Option("--return", help="End at the start.")] = False,
+    avoid: Avoid = None,
+    closed: Closed = None,
+    robot_radius: Radius = ROBOT_RADIUS_M,
+    as_json: Json = False,
+) -> None:
+    """Find the order of rooms with the shortest way: exact for up to 12 rooms, with a lower bound beyond."""
+    from vdoor.navigate.blocked import blocked_cells
+    from vdoor.navigate.find_route import FindRoute
+    from vdoor.navigate.routes import Routes
+    from vdoor.navigate.space import Space
+    from vdoor.navigate.targets import Target
+    from vdoor.navigate.visits import visits
+    from vdoor.results.known_map import KnownMap
+
+    if back and (start is None or end is not None):
+        raise SettingError("--return: wanted a --start to return to and no --end, found others")
+    known = KnownMap.read(result)
+    topology = known.topology
+    with naming(result), known.tables() as tables:
+        asked = FindRoute(avoid=tuple(avoid or ()), closed=tuple(closed or ()))
+        blocked = blocked_cells(known.grid, topology, asked.restrictions(topology, known.annotations))
+        routes = Routes(Space.of(blocked, known.grid.frame, robot_radius), topology, tables=tables)
+        rooms = [Target.of(topology, text, what="--room").room for text in room or map(str, topology.room_ids)]
+        if 0 in rooms:
+            raise SettingError("--room: wanted a room's id or name, found a place")
+        first = Target.of(topology, start, what="--start") if start is not None else None
+        last = first if back else Target.of(topology, end, what="--end") if end is not None else None
+        found = visits(routes, rooms, first, last)
+    _tell_order(found, topology, as_json=as_json)
+
+
+def _tell_order(found: Visits, topology: TopologicalMap, *, as_json: bool) -> None:
+    import json
+
+    if as_json:
+        stops = [{"room": stop.room or None, "place_m": stop.place_m} for stop in found.stops]
+        document = {"stops": stops, "length_m": found.order.length, "lower_bound_m": found.order.lower_bound}
+        print(json.dumps(document | {"exact": found.order.exact, "out_of_reach": found.out_of_reach}))
+        return
+    bound = "the shortest" if found.order.exact else f"no order is shorter than {found.order.lower_bound:.2f} m"
+    print(f"{found.order.length:.2f} m, {bound}")
+    for stop in found.stops:
+        print(stop.told(topology))
+    for room in found.out_of_reach:
+        print(f"out of reach: {topology.room(room).title}")
