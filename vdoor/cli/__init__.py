@@ -67,9 +67,8 @@ COMMANDS = (
     ("search-study", studies.search_study, "vdoor search-study --graphs 60 --seeds 50"),
 )
 """Name, function, example."""
-CONTEXTS = {
-    name: {"ignore_unknown_options": True} for name in ("room-at", "route", "order", "rename", "split", "merge", "door")
-}
+WITH_PLACES = ("room-at", "route", "order", "rename", "split", "merge", "door")
+CONTEXTS = {name: {"ignore_unknown_options": True} for name in WITH_PLACES}
 """Places such as -1.2,3.4 begin with a minus and are not options."""
 
 for name, function, example in COMMANDS:

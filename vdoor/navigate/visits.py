@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from vdoor.errors import SettingError
 from vdoor.navigate.order import Order, best_order
 from vdoor.navigate.places import Standing
-from vdoor.navigate.room_graph import STRAIGHT
 from vdoor.navigate.routes import Routes
 from vdoor.navigate.targets import Target
 
@@ -37,11 +36,9 @@ def visits(routes: Routes, rooms: Sequence[int], start: Target | None = None, en
     Raises `SettingError` for a start or end where the robot does not fit, or between which there is no way.
     """
     ends = [target for target in dict.fromkeys((start, end)) if target is not None]
-    standing = [_standing(routes, target) for target in ends]
     wanted = [room for room in dict.fromkeys(rooms) if not any(target.room == room for target in ends)]
-    inside = [room for room in wanted if routes.standing[room] is not None]
-    stops = [*ends, *(Target(str(room), room=room) for room in inside)]
-    distance = distances_m(routes, [*standing, *(found for room in inside if (found := routes.standing[room]))])
+    stops = [*ends, *(Target(str(room), room=room) for room in wanted if routes.standing[room] is not None)]
+    distance = distances_m(routes, stops)
     kept = _in_reach(distance, fixed=len(ends))
     stops = [stops[row] for row in kept]
     found = best_order(
@@ -62,14 +59,21 @@ def _standing(routes: Routes, target: Target) -> Standing:
     return found
 
 
-def distances_m(routes: Routes, places: Sequence[Standing]) -> Floats:
-    """The lengths over cells (k, k) between places where the robot stands, infinite where there is no way."""
-    unit_m = routes.space.frame.resolution_m / STRAIGHT
-    found = np.zeros((len(places), len(places)))
-    for row, one in enumerate(places):
-        for other in range(row):
-            plan = routes.plan(one.cell, places[other].cell)
-            found[row, other] = found[other, row] = math.inf if plan is None else plan.length * unit_m
+def distances_m(routes: Routes, stops: Sequence[Target]) -> Floats:
+    """The lengths over cells (k, k) between rooms or places, infinite where there is no way.
+
+    Raises `SettingError` for a place or room where the robot does not fit.
+    """
+    cells = [_standing(routes, stop).cell for stop in stops]
+    found = np.zeros((len(stops), len(stops)))
+    for row, one in enumerate(stops):
+        for col, other in enumerate(stops[:row]):
+            if one.room and other.room:
+                length_m = routes.distance_m(one.room, other.room)
+            else:
+                plan = routes.plan(cells[row], cells[col])
+                length_m = math.inf if plan is None else plan.length * routes.unit_m
+            found[row, col] = found[col, row] = length_m
     return found
 
 
