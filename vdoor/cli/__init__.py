@@ -12,6 +12,7 @@ from vdoor.cli import (
     edits,
     evaluate,
     export,
+    navigate,
     paper,
     recordings,
     rooms,
@@ -48,6 +49,8 @@ COMMANDS = (
     ("export", export.export, "vdoor export result/ --to nav2-route -o route.geojson"),
     ("rooms", rooms.rooms, "vdoor rooms result/"),
     ("room-at", rooms.room_at, "vdoor room-at 3.2,-4.1 out.mcap"),
+    ("route", navigate.route, "vdoor route result/ Kitchen 3 --via Hall --export waypoints=path.yaml"),
+    ("order", navigate.order, "vdoor order result/ --start Hall --return"),
     ("rename", edits.rename, "vdoor rename result/ 3 Kitchen"),
     ("split", edits.split, "vdoor split result/ 1.2,3.4 1.2,8.0"),
     ("merge", edits.merge, "vdoor merge result/ 2 5"),
@@ -64,7 +67,8 @@ COMMANDS = (
     ("search-study", studies.search_study, "vdoor search-study --graphs 60 --seeds 50"),
 )
 """Name, function, example."""
-CONTEXTS = {name: {"ignore_unknown_options": True} for name in ("room-at", "rename", "split", "merge", "door")}
+WITH_PLACES = ("room-at", "route", "order", "rename", "split", "merge", "door")
+CONTEXTS = {name: {"ignore_unknown_options": True} for name in WITH_PLACES}
 """Places such as -1.2,3.4 begin with a minus and are not options."""
 
 for name, function, example in COMMANDS:

@@ -112,10 +112,11 @@ class Routes:
         """The length over cells between where the robot stands in two rooms; infinite if there is no way."""
         if one not in self._place or other not in self._place:
             return math.inf
-        return float(self._row(self._place[one])[self._place[other]]) * self._unit_m
+        return float(self._row(self._place[one])[self._place[other]]) * self.unit_m
 
     @property
-    def _unit_m(self) -> float:
+    def unit_m(self) -> float:
+        """The unit of lengths over cells, in metres."""
         return self.space.frame.resolution_m / STRAIGHT
 
     def path(self, start: Cell, goal: Cell) -> list[Cell] | None:
@@ -143,7 +144,7 @@ class Routes:
         if self._room(start) == self._room(goal):
             inside = self._inside(start, goal)
             plan = min((found for found in (inside, plan) if found), key=lambda found: found.length, default=None)
-        if plan is None or plan.length * self._unit_m > NEAR_M:
+        if plan is None or plan.length * self.unit_m > NEAR_M:
             return plan
         return Plan.over(local_way(self.space, start, goal, plan.length))
 
