@@ -127,10 +127,7 @@ def route(
         preset=preset, assignments=set_, seed=seed, resolution_m=resolution, unknown=unknown_value, max_cells=max_cells
     )
     with naming(source):
-        if is_result(source):
-            found, topology = _on_result(source, find, outputs)
-        else:
-            found, topology = _on_map(source, find, running, outputs)
+        found, topology = (on_result if is_result(source) else running.on_map)(source, "route", find, outputs)
     _tell(found, find, topology, as_json=as_json)
     if not found.found:
         raise typer.Exit(1)

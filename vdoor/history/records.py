@@ -23,6 +23,7 @@ from vdoor.method.scoring.score import DoorScores
 from vdoor.method.search.certificate import Certificate
 from vdoor.method.search.generation import Generation
 from vdoor.method.simplify import SimplifiedGrid
+from vdoor.navigate.cover_floor import Coverage
 from vdoor.navigate.find_route import Route
 from vdoor.pipeline import RECORDS
 from vdoor.record import Record, specs
@@ -216,3 +217,8 @@ class RunRecords:
     def route(self) -> Route:
         """Route on the final map, for runs that are asked for one."""
         return self.get(Route)
+
+    @property
+    def coverage(self) -> Coverage:
+        """Path that covers the floor, for runs that are asked for one."""
+        return self.get(Coverage)

@@ -43,7 +43,7 @@ class Coverage(Record):
     topic: ClassVar[str] = "coverage"
 
     swept: Annotated[Ints, Spec("labels", "height width")]
-    """The point of the path up to which a cell is swept first (h, w), from 1 on; 0 for a cell that is not swept."""
+    """The row of the point that ends the segment which sweeps a cell first (h, w); 0 for a cell that is not swept."""
     point_m: Annotated[Floats, Spec("column", "point 2", unit="m", tolerance=1e-9)]
     """The bends of the path with its ends, x, y in the map frame."""
     yaw_rad: Annotated[Floats, Spec("column", "point", unit="rad", tolerance=1e-9)]

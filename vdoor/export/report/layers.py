@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from vdoor.errors import RecordingError
+from vdoor.explain import coverage
 from vdoor.explain.routes import described, obstacle_text
 from vdoor.explain.stages import view_of
 from vdoor.export.report.sheet import Layer, Sheet, colour_text, polygon, polyline, room_codes
@@ -21,6 +22,8 @@ from vdoor.method.doors import PROPOSED, VERDICTS, VirtualDoors
 from vdoor.method.initial_map import InitialMap
 from vdoor.method.search.generation import Generation
 from vdoor.method.simplify import REASONS, SimplifiedGrid
+from vdoor.navigate.cover_floor import Coverage
+from vdoor.navigate.coverage.path import KINDS as PURPOSES
 from vdoor.navigate.find_route import Route
 from vdoor.record import RASTERS, Record, specs, tables, texts_of
 from vdoor.topology import KINDS
@@ -175,6 +178,18 @@ def draw_route(sheet: Sheet, route: Route) -> Drawn:
     yield layer
 
 
+def draw_coverage(sheet: Sheet, found: Coverage) -> Drawn:
+    """The path by what it is for."""
+    layer = Layer("coverage", view_of(Coverage).name, on=True)
+    cell = found.frame.cell_from_world(found.point_m)
+    for code, purpose in enumerate(PURPOSES):
+        own = np.flatnonzero(found.purpose[1:] == code)
+        lines = sheet.segments(cell[own], cell[own + 1], found.frame)
+        layer.add_lines(["".join(lines)] if lines else [], colour_text(style.OF_PURPOSE[purpose]), purpose)
+    layer.note = coverage.described(found)
+    yield layer
+
+
 def draw_any(sheet: Sheet, record: Record) -> Drawn:
     """A record without a function of its own: its rasters as pictures, table rows with cells as dots."""
     frame = getattr(record, "frame", None)
@@ -229,4 +244,5 @@ DRAW: Mapping[type[Record], Callable[[Sheet, Any], Drawn]] = {
     VirtualDoors: draw_doors,
     InitialMap: draw_initial,
     Route: draw_route,
+    Coverage: draw_coverage,
 }

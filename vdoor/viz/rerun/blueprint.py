@@ -200,6 +200,12 @@ def route() -> rrb.Container:
     return rrb.Horizontal(seen, name="Route")
 
 
+def coverage() -> rrb.Container:
+    """Tab with the path that covers the floor, and what it sweeps."""
+    seen = flat("Coverage", "input/map", "rooms/doors", "coverage/**", origin="/")
+    return rrb.Horizontal(seen, name="Coverage")
+
+
 def final_map() -> rrb.Spatial2DView:
     """View of rooms, doors and graph over the input."""
     return rrb.Spatial2DView(name="Rooms and doors", origin="/", contents=["+ /input/map", "+ /rooms/**"])
@@ -235,5 +241,6 @@ VIEWS: dict[str, Callable[[], rrb.Container]] = {
     "Initial map": initial_map,
     "Rooms": rooms,
     "Route": route,
+    "Coverage": coverage,
 }
 """Tabs that do not depend on the settings."""

@@ -156,6 +156,13 @@ def _drawn_route(run: History, canvas: Canvas) -> Canvas:
     return ground.paint("selected", in_the_way)
 
 
+def _drawn_coverage(run: History, canvas: Canvas) -> Canvas:
+    """The path over the rooms."""
+    del canvas
+    point = run.coverage.frame.cell_from_world(run.coverage.point_m)
+    return _drawn_map(run).line("forward", point[:-1], point[1:])
+
+
 DRAWN: dict[str, Callable[[History, Canvas], Canvas]] = {
     "simplified": _drawn_simplified,
     "path": lambda run, canvas: canvas.paint("path", run.path.free_cell),
@@ -171,6 +178,7 @@ DRAWN: dict[str, Callable[[History, Canvas], Canvas]] = {
     "initial_map": _drawn_initial,
     "edits": _drawn_edits,
     "route": _drawn_route,
+    "coverage": _drawn_coverage,
 }
 
 
