@@ -9,6 +9,7 @@ import typer
 
 from vdoor import __version__
 from vdoor.cli import (
+    cover,
     edits,
     evaluate,
     export,
@@ -50,6 +51,11 @@ COMMANDS = (
     ("rooms", rooms.rooms, "vdoor rooms result/"),
     ("room-at", rooms.room_at, "vdoor room-at 3.2,-4.1 out.mcap"),
     ("route", navigate.route, "vdoor route result/ Kitchen 3 --via Hall --export waypoints=path.yaml"),
+    (
+        "cover",
+        cover.cover,
+        "vdoor cover result/ --return --export csv=path.csv; vdoor cover map.yaml --room 3 --save out.rrd",
+    ),
     ("order", navigate.order, "vdoor order result/ --start Hall --return"),
     ("rename", edits.rename, "vdoor rename result/ 3 Kitchen"),
     ("split", edits.split, "vdoor split result/ 1.2,3.4 1.2,8.0"),
@@ -68,7 +74,7 @@ COMMANDS = (
     ("search-study", studies.search_study, "vdoor search-study --graphs 60 --seeds 50"),
 )
 """Name, function, example."""
-WITH_PLACES = ("room-at", "route", "order", "rename", "split", "merge", "door")
+WITH_PLACES = ("room-at", "route", "cover", "order", "rename", "split", "merge", "door")
 CONTEXTS = {name: {"ignore_unknown_options": True} for name in WITH_PLACES}
 """Places such as -1.2,3.4 begin with a minus and are not options."""
 

@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from vdoor.emit import RunInfo, Sink
     from vdoor.grid import OccupancyGrid
     from vdoor.navigate.find_route import FindRoute, Route
+    from vdoor.navigate.tasks import Task
     from vdoor.navigate.visits import Visits
     from vdoor.outputs import Outputs
     from vdoor.pipeline import AnyPipeline
@@ -108,9 +109,8 @@ def route(
     """Find a path between rooms or places: 0 if there is one, or 1 and what is in the way."""
     from vdoor.export.paths import PathExport
     from vdoor.files import refuse_existing
-    from vdoor.navigate.find_route import FindRoute
+    from vdoor.navigate.find_route import FindRoute, Route
     from vdoor.outputs import Outputs
-    from vdoor.results.known_map import is_result
 
     exports = [PathExport.parse(text) for text in export or ()]
     outputs = Outputs(save=save, mcap=mcap)
@@ -126,8 +126,8 @@ def route(
     running = Running(
         preset=preset, assignments=set_, seed=seed, resolution_m=resolution, unknown=unknown_value, max_cells=max_cells
     )
-    with naming(source):
-        found, topology = (on_result if is_result(source) else running.on_map)(source, "route", find, outputs)
+    found, topology = done_on(source, "route", find, running, outputs)
+    assert isinstance(found, Route)
     _tell(found, find, topology, as_json=as_json)
     if not found.found:
         raise typer.Exit(1)
@@ -145,17 +145,30 @@ def naming(path: Path) -> Iterator[None]:
         raise SettingError(text if text.endswith(str(path)) else f"{text}: {path}") from error
 
 
-def _on_result(path: Path, find: FindRoute, outputs: Outputs) -> tuple[Route, TopologicalMap]:
-    """The route on a finished map; recordings get the run's records again, with the route behind them."""
+def done_on(source: Path, name: str, task: Task, running: Running, outputs: Outputs) -> tuple[Record, TopologicalMap]:
+    """The record of a task on a finished map or on a map that is run first, written to the outputs; and the map.
+
+    `name` is the pipeline's field for the task.
+    """
+    from vdoor.results.known_map import is_result
+
+    with naming(source):
+        if is_result(source):
+            return _on_result(source, name, task, outputs)
+        return _on_map(source, name, task, running, outputs)
+
+
+def _on_result(path: Path, name: str, task: Task, outputs: Outputs) -> tuple[Record, TopologicalMap]:
+    """On a finished map; recordings get the run's records again, with the task's behind them."""
     from vdoor.results.known_map import KnownMap
 
     if outputs.files and path.is_dir():
         raise SettingError(f"--save, --mcap: wanted a recording or a map, found a result folder: {path}")
     known = KnownMap.read(path)
     with known.tables() as tables:
-        found = find.found(known.grid, known.topology, known.annotations, tables)
+        found = task.found(known.grid, known.topology, known.annotations, tables)
     if outputs.files:
-        _record_again(path, {"route": find}, found, outputs)
+        _record_again(path, {name: task}, found, outputs)
     return found, known.topology
 
 
@@ -182,20 +195,19 @@ def _write(sinks: Sequence[Sink], step: int, record: Record) -> None:
         sink.write(step, record)
 
 
-def _on_map(path: Path, find: FindRoute, running: Running, outputs: Outputs) -> tuple[Route, TopologicalMap]:
-    """The route on a map that is run first."""
+def _on_map(path: Path, name: str, task: Task, running: Running, outputs: Outputs) -> tuple[Record, TopologicalMap]:
+    """On a map that is run first."""
     from vdoor.api import run_prepared
     from vdoor.emit import Recorder
     from vdoor.history import RunRecords
-    from vdoor.navigate.find_route import Route
     from vdoor.outputs import opened
 
     grid = running.grid(path)
-    pipeline = dataclasses.replace(running.pipeline(grid), route=find)
+    pipeline = dataclasses.replace(running.pipeline(grid), **{name: task})  # type: ignore[arg-type]  # a task by name
     seen = RunRecords()
     with opened(outputs, running.info(grid, pipeline)) as files:
         topology = run_prepared(grid, pipeline, seed=running.seed, emit=Recorder([*files.sinks, seen]))
-    return seen.get(Route), topology
+    return seen.get(task.record), topology
 
 
 def _tell(found: Route, find: FindRoute, topology: TopologicalMap, *, as_json: bool) -> None:

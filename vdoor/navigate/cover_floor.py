@@ -21,6 +21,7 @@ from vdoor.navigate.coverage.path import KINDS
 from vdoor.navigate.coverage.plan import Covered, Task, cover
 from vdoor.navigate.find_route import ROBOT_RADIUS_M, FindRoute, headings
 from vdoor.navigate.places import Standing, standing_at, standing_in
+from vdoor.navigate.room_table import Tables
 from vdoor.navigate.space import Space
 from vdoor.navigate.targets import Target
 from vdoor.record import Record, Spec
@@ -130,10 +131,17 @@ class CoverFloor:
         Raises `SettingError` for a room or door that the map does not have, for a place too near to a wall, and if the
         robot fits nowhere.
         """
-        return self.planned(grid, topology, read_annotations(grid.source))
+        return self.found(grid, topology, read_annotations(grid.source))
 
-    def planned(self, grid: OccupancyGrid, topology: TopologicalMap, annotations: Annotations | None) -> Coverage:
-        """The path on a map with restrictions."""
+    def found(
+        self,
+        grid: OccupancyGrid,
+        topology: TopologicalMap,
+        annotations: Annotations | None = None,
+        tables: Tables | None = None,
+    ) -> Coverage:
+        """The path on a map with restrictions; `tables` is not needed."""
+        del tables
         if self.unit not in UNITS:
             raise SettingError(f"unit: wanted {' or '.join(UNITS)}, found {self.unit!r}")
         blocked = blocked_cells(grid, topology, self._restrictions(topology, annotations))
@@ -141,7 +149,7 @@ class CoverFloor:
         rooms = self._rooms(topology)
         start = self._start(space, topology, annotations)
         resolution_m = grid.frame.resolution_m
-        found = cover(
+        covered = cover(
             Task(
                 space=space,
                 labels=self._labels(topology, rooms),
@@ -155,9 +163,9 @@ class CoverFloor:
                 leave=self.leave,
             )
         )
-        if not found.room:
+        if not covered.room:
             raise SettingError("cover: wanted a room that the robot can reach, found none")
-        return self._record(found, space, topology, rooms)
+        return self._record(covered, space, topology, rooms)
 
     def _restrictions(self, topology: TopologicalMap, annotations: Annotations | None) -> Restrictions:
         """What is ruled out on a map, by its file and by these settings."""

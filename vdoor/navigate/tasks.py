@@ -6,9 +6,10 @@ from collections.abc import Sequence
 from typing import Protocol
 
 from vdoor.emit import Emit
-from vdoor.grid import OccupancyGrid
+from vdoor.grid import Annotations, OccupancyGrid
 from vdoor.navigate.cover_floor import CoverFloor
 from vdoor.navigate.find_route import FindRoute
+from vdoor.navigate.room_table import Tables
 from vdoor.record import Record
 from vdoor.topology import TopologicalMap
 
@@ -28,6 +29,16 @@ class Task(Protocol):
 
     def __call__(self, grid: OccupancyGrid, topology: TopologicalMap) -> Record:
         """The result; raises `SettingError` for settings that do not fit the map."""
+        ...
+
+    def found(
+        self,
+        grid: OccupancyGrid,
+        topology: TopologicalMap,
+        annotations: Annotations | None = None,
+        tables: Tables | None = None,
+    ) -> Record:
+        """The result with restrictions that are known; `tables` holds distances of earlier queries."""
         ...
 
 

@@ -26,10 +26,10 @@ from vdoor.record import RASTERS, Record, specs, tables
 from vdoor.topology import TopologicalMap
 from vdoor.viz.rerun import style
 from vdoor.viz.rerun.baselines import draw_critical_lines, draw_eroded, draw_grown, draw_skeleton
+from vdoor.viz.rerun.coverage import draw_coverage
 from vdoor.viz.rerun.curve import draw_curve, draw_threshold
 from vdoor.viz.rerun.graphs import draw_edits, draw_generation, draw_initial, draw_map
 from vdoor.viz.rerun.restrictions import restrictions
-from vdoor.viz.rerun.coverage import draw_coverage
 from vdoor.viz.rerun.routes import draw_route
 from vdoor.viz.rerun.scene import Scene, classes, pixels, strips, table
 from vdoor.viz.rerun.scores import draw_certificate, draw_scores
