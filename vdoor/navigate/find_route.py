@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vdoor.config import Within
-from vdoor.errors import SettingError
+from vdoor.editing.lookup import find_door, find_room
 from vdoor.formats import read_annotations
 from vdoor.frame import Frame
 from vdoor.grid import Annotations, OccupancyGrid
@@ -90,15 +90,15 @@ class FindRoute:
     """Find a route on the finished map, if a start is set."""
 
     start: str = ""
-    """Where the route begins: a room's id or name, or X,Y in metres; empty for no route."""
+    """Where the route begins: a room's id, its name or X,Y in metres; empty for no route."""
     goal: str = ""
     """Where it ends."""
     via: tuple[str, ...] = ()
     """Rooms or places to go to on the way, in order."""
     avoid: tuple[str, ...] = ()
-    """Rooms not to enter."""
+    """Rooms not to enter, by id, name or place."""
     closed: tuple[str, ...] = ()
-    """Ids of doors that are closed."""
+    """Doors that are closed, by id or place."""
     radius_m: Annotated[float, Within(0.001, 10)] = ROBOT_RADIUS_M
     """Clearance that is kept everywhere: the robot's radius."""
 
@@ -147,14 +147,10 @@ class FindRoute:
 
     def restrictions(self, topology: TopologicalMap, annotations: Annotations | None) -> Restrictions:
         """What is ruled out on a map, by its file and by these settings."""
-        rooms = [Target.of(topology, text, what="avoid") for text in self.avoid]
-        if place := next((target.text for target in rooms if not target.room), None):
-            raise SettingError(f"avoid: wanted a room's id or name, found {place!r}")
-        if text := next((text for text in self.closed if not text.isdecimal()), None):
-            raise SettingError(f"closed: wanted the ids of doors, found {text!r}")
-        doors = [topology.door(int(text)).id for text in self.closed]
         return Restrictions(
-            annotations=annotations, closed_doors=doors, avoided_rooms=[target.room for target in rooms]
+            annotations=annotations,
+            closed_doors=[find_door(topology, text, what="closed").door.id for text in self.closed],
+            avoided_rooms=[find_room(topology, text, what="avoid").room.id for text in self.avoid],
         )
 
     def _stops(self, routes: Routes) -> Stops:
