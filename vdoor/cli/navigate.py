@@ -43,13 +43,13 @@ Source = Annotated[
     Path,
     typer.Argument(metavar="RESULT|MAP", help="Folder from `vdoor run --out`, .mcap, or a map, which is run."),
 ]
-PLACE = "a room's id or name, or X,Y in metres"
+PLACE = "a room's id, its name or X,Y in metres"
 Radius = Annotated[
     float, typer.Option("--robot-radius", min=0.001, max=10, metavar="M", help="Clearance that is kept everywhere.")
 ]
 Avoid = Annotated[list[str] | None, typer.Option("--avoid", metavar="ROOM", help="Room not to enter; repeatable.")]
 Closed = Annotated[
-    list[str] | None, typer.Option("--closed", metavar="DOOR", help="Id of a door that is closed; repeatable.")
+    list[str] | None, typer.Option("--closed", metavar="DOOR", help="Door that is closed, by id or X,Y; repeatable.")
 ]
 
 
@@ -253,6 +253,7 @@ def order(
     as_json: Json = False,
 ) -> None:
     """Find the order of rooms with the shortest way: exact for up to 12 rooms, with a lower bound beyond."""
+    from vdoor.editing.lookup import find_room
     from vdoor.navigate.blocked import blocked_cells
     from vdoor.navigate.find_route import FindRoute
     from vdoor.navigate.routes import Routes
@@ -269,9 +270,7 @@ def order(
         asked = FindRoute(avoid=tuple(avoid or ()), closed=tuple(closed or ()))
         blocked = blocked_cells(known.grid, topology, asked.restrictions(topology, known.annotations))
         routes = Routes(Space.of(blocked, known.grid.frame, robot_radius), topology, tables=tables)
-        rooms = [Target.of(topology, text, what="--room").room for text in room or map(str, topology.room_ids)]
-        if 0 in rooms:
-            raise SettingError("--room: wanted a room's id or name, found a place")
+        rooms = [find_room(topology, text, what="--room").room.id for text in room or map(str, topology.room_ids)]
         first = Target.of(topology, start, what="--start") if start is not None else None
         last = first if back else Target.of(topology, end, what="--end") if end is not None else None
         found = visits(routes, rooms, first, last)

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vdoor.config import Within
-from vdoor.errors import SettingError
+from vdoor.editing.lookup import find_door, find_room
 from vdoor.formats import read_annotations
 from vdoor.frame import Frame
 from vdoor.grid import Annotations, OccupancyGrid
@@ -90,15 +90,15 @@ class FindRoute:
     """Find a route on the finished map, if a start is set."""
 
     start: str = ""
-    """Where the route begins: a room's id or name, or X,Y in metres; empty for no route."""
+    """Where the route begins: a room's id, its name or X,Y in metres; empty for no route."""
     goal: str = ""
     """Where it ends."""
     via: tuple[str, ...] = ()
     """Rooms or places to go to on the way, in order."""
     avoid: tuple[str, ...] = ()
-    """Rooms not to enter."""
+    """Rooms not to enter, by id, name or place."""
     closed: tuple[str, ...] = ()
-    """Ids of doors that are closed."""
+    """Doors that are closed, by id or place."""
     radius_m: Annotated[float, Within(0.001, 10)] = ROBOT_RADIUS_M
     """Clearance that is kept everywhere: the robot's radius."""
 
@@ -147,14 +147,10 @@ class FindRoute:
 
     def restrictions(self, topology: TopologicalMap, annotations: Annotations | None) -> Restrictions:
         """What is ruled out on a map, by its file and by these settings."""
-        rooms = [Target.of(topology, text, what="avoid") for text in self.avoid]
-        if place := next((target.text for target in rooms if not target.room), None):
-            raise SettingError(f"avoid: wanted a room's id or name, found {place!r}")
-        if text := next((text for text in self.closed if not text.isdecimal()), None):
-            raise SettingError(f"closed: wanted the ids of doors, found {text!r}")
-        doors = [topology.door(int(text)).id for text in self.closed]
         return Restrictions(
-            annotations=annotations, closed_doors=doors, avoided_rooms=[target.room for target in rooms]
+            annotations=annotations,
+            closed_doors=[find_door(topology, text, what="closed").door.id for text in self.closed],
+            avoided_rooms=[find_room(topology, text, what="avoid").room.id for text in self.avoid],
         )
 
     def _stops(self, routes: Routes) -> Stops:
@@ -217,31 +213,31 @@ def crossed(topology: TopologicalMap, cells: Floats) -> list[int]:
     """The ids of the doors that a path through points (k, 2) passes, in order: the nearest between two rooms."""
     if not len(cells):
         return []
-    rooms, places = _rooms_along(topology, cells)
-    pair = np.sort(np.stack([topology.room_a, topology.room_b], axis=1), axis=1)
-    found: list[tuple[int, Floats]] = []
-    for at, ends in enumerate(pairwise(rooms.tolist())):
-        rows = np.flatnonzero((pair == sorted(ends)).all(axis=1))
-        apart = [float(to_segment_m(places[at][None], *_line_m(topology, row))[0]) for row in rows.tolist()]
-        if not apart:
-            continue
-        door = int(rows[np.argmin(apart)]) + 1
-        if found and found[-1][0] == door and math.dist(found[-1][1], places[at]) < BACK_AND_FORTH_M:
+    rooms, places, along_m = _rooms_along(topology, cells)
+    found: list[tuple[int, float]] = []
+    for ends, place, at_m in zip(pairwise(rooms.tolist()), places, along_m.tolist(), strict=True):
+        door = _door_between(topology, ends, place)
+        if found and found[-1][0] == door and at_m - found[-1][1] < BACK_AND_FORTH_M:
             found.pop()
-        else:
-            found.append((door, places[at]))
+        elif door:
+            found.append((door, at_m))
     return [door for door, _ in found]
 
 
-def _line_m(topology: TopologicalMap, row: int) -> tuple[Floats, Floats]:
-    return topology.start_m[row], topology.end_m[row]
+def _door_between(topology: TopologicalMap, rooms: tuple[int, int], place_m: Floats) -> int:
+    """The id of the door between two rooms that is nearest to a place (2,); 0 if there is none."""
+    pair = np.stack([topology.room_a, topology.room_b], axis=1)
+    rows = np.flatnonzero((pair == sorted(rooms)).all(axis=1)).tolist()
+    apart = [to_segment_m(place_m[None], topology.start_m[row], topology.end_m[row])[0] for row in rows]
+    return rows[int(np.argmin(apart))] + 1 if rows else 0
 
 
-def _rooms_along(topology: TopologicalMap, cells: Floats) -> tuple[Ints, Floats]:
-    """The rooms (k,) that a path goes through, and where (k - 1, 2), in metres, it passes from one to the next."""
+def _rooms_along(topology: TopologicalMap, cells: Floats) -> tuple[Ints, Floats, Floats]:
+    """The rooms (k,) that a path goes through; where (k - 1, 2), and after how many metres, it passes to the next."""
     pieces = [np.linspace(start, end, int(4 * np.abs(end - start).max()) + 2) for start, end in pairwise(cells)]
-    along = np.concatenate(pieces) if pieces else cells.astype(np.float64)
-    room = topology.labels[tuple(np.floor(along + 0.5).astype(np.intp).T)]
-    along, room = along[room > 0], room[room > 0]
+    place = np.concatenate(pieces) if pieces else cells.astype(np.float64)
+    along_m = np.append(0.0, np.cumsum(np.hypot(*np.diff(place, axis=0).T))) * topology.frame.resolution_m
+    room = topology.labels[tuple(np.floor(place + 0.5).astype(np.intp).T)]
+    place, along_m, room = place[room > 0], along_m[room > 0], room[room > 0]
     change = np.flatnonzero(np.diff(room))
-    return room[np.append(change, len(room) - 1)], topology.frame.world_from_cell(along[change])
+    return room[np.append(change, len(room) - 1)], topology.frame.world_from_cell(place[change]), along_m[change]

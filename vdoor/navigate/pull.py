@@ -13,7 +13,7 @@ from vdoor.navigate.sight import Sight
 Cell = tuple[int, int]
 Floats = NDArray[np.float64]
 
-STRIDES = (16, 8, 4, 2, 1)
+STRIDES = (16, 4, 1)
 """How far a bend is moved at a time, in cells."""
 MOVES = np.array([(row * by, col * by) for by in STRIDES for row in (-1, 0, 1) for col in (-1, 0, 1) if row or col])
 CUTS = np.array([0.5, 0.25])[:, None, None]

@@ -46,7 +46,7 @@ def digest_of(graph: RoomGraph, terminals: Sequence[Cell]) -> bytes:
 def read_tables(path: Path) -> Tables:
     """The tables in a file; none if there is no such file, or it is damaged or of another version."""
     try:
-        with np.load(path, allow_pickle=False) as stored:
+        with np.load(io.BytesIO(path.read_bytes()), allow_pickle=False) as stored:
             return _unpacked(stored["digest"], stored["terminals"], stored["distance"])
     except (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile):
         return {}

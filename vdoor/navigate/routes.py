@@ -142,8 +142,7 @@ class Routes:
         """
         plan = self._by_doors(start, goal)
         if self._room(start) == self._room(goal):
-            inside = self._inside(start, goal)
-            plan = min((found for found in (inside, plan) if found), key=lambda found: found.length, default=None)
+            plan = self._inside(start, goal, plan.length if plan else np.inf) or plan
         if plan is None or plan.length * self.unit_m > NEAR_M:
             return plan
         return Plan.over(local_way(self.space, start, goal, plan.length))
@@ -157,11 +156,11 @@ class Routes:
     def _room(self, cell: Cell) -> int:
         return int(self.topology.labels[cell])
 
-    def _inside(self, start: Cell, goal: Cell) -> Plan | None:
-        """The way within a room; None if the two are in several parts of it."""
-        room = self._room(start)
-        length = int(self._field(room, goal)[self._graph(room).number(start)])
-        return Plan((start, goal), (length,), (room,)) if length < FAR else None
+    def _inside(self, start: Cell, goal: Cell, most: float) -> Plan | None:
+        """The way within a room, of at most that length; None if there is none."""
+        graph = self._graph(self._room(start))
+        distance = graph.distances(goal, limit=most)
+        return Plan.over(graph.way(start, distance)) if distance[graph.number(start)] < FAR else None
 
     def _by_doors(self, start: Cell, goal: Cell) -> Plan | None:
         """The shortest way that passes terminals, the first of equal ones."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from vdoor.editing.lookup import find_room
 from vdoor.editing.places import Point, parse_place
 from vdoor.errors import SettingError
 from vdoor.navigate.places import Standing, standing_at
@@ -24,13 +25,9 @@ class Target:
     @classmethod
     def of(cls, topology: TopologicalMap, text: str, *, what: str) -> Target:
         """The target of a text; raises `SettingError`, which begins with `what`, if the map has no such room."""
-        if "," in text and not any(room.name == text for room in topology.rooms):
-            return cls(text, place_m=parse_place(text, what=what, wanted="a room's id or name, or X,Y"))
-        try:
-            room = topology.room(int(text)) if text.isdecimal() else topology.room_named(text)
-        except SettingError as error:
-            raise SettingError(f"{what}: {str(error).removeprefix('room: ')}") from error
-        return cls(text, room=room.id)
+        if "," in text and text not in topology.name:
+            return cls(text, place_m=parse_place(text, what=what, wanted="a room's id, its name or X,Y"))
+        return cls(text, room=find_room(topology, text, what=what).room.id)
 
     def standing(self, routes: Routes, *, what: str) -> Standing | None:
         """Where the robot stands there; None for a room that it does not fit into.
