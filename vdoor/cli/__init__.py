@@ -69,6 +69,7 @@ COMMANDS = (
     ("synth", studies.synth, "vdoor synth maps/flat --kind paper --seed 3 --set furniture=true"),
     ("train", studies.train, "vdoor train -o curves.json; vdoor run map.pgm --set score.model=curves.json"),
     ("bench", studies.bench, "vdoor bench --tile 4"),
+    ("cover-bench", studies.cover_bench, "vdoor cover-bench maps/ --set cover.trade=0.3"),
     ("route-bench", studies.route_bench, "vdoor route-bench maps/ --starts 40; vdoor route-bench map.yaml --tile 4"),
     ("paper", paper.paper, "vdoor paper --apartments 20; vdoor paper --out recordings/paper --rrd --force"),
     ("search-study", studies.search_study, "vdoor search-study --graphs 60 --seeds 50"),

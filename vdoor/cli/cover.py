@@ -36,7 +36,7 @@ def cover(
     ] = 0.02,
     tau: Annotated[
         float, typer.Option(min=0, max=1, help="Area given up per area saved in length: 0 sweeps all it can.")
-    ] = 0.2,
+    ] = 0.15,
     speed: Annotated[float, typer.Option(min=0.001, max=10, metavar="M/S", help="Speed of the robot.")] = 0.3,
     turn_rate: Annotated[float, typer.Option(min=0.001, max=100, metavar="RAD/S", help="Its speed in turns.")] = 1.5,
     export: Annotated[

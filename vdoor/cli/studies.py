@@ -94,6 +94,39 @@ def route_bench(
         print(json.dumps(dataclasses.asdict(report)) if as_json else report.to_text(), flush=True)
 
 
+def cover_bench(
+    maps: Annotated[list[Path], typer.Argument(metavar="MAP...", help="Maps, or folders of them.")],
+    *,
+    robot_radius: Annotated[float, typer.Option(min=0.001, max=10, metavar="M", help="Clearance.")] = 0.17,
+    tool_width: Annotated[float, typer.Option(min=0.01, max=10, metavar="M", help="Width that is swept.")] = 0.30,
+    preset: Preset = DEFAULT_PRESET,
+    set_: Set = None,
+    resolution: Resolution = None,
+    as_json: Json = False,
+) -> None:
+    """Compare covering maps room by room with covering them as one: coverage, length, turns, CPU times.
+
+    `--set cover.trade=0.3` moves along the curve between coverage and length.
+    """
+    import dataclasses
+    import json
+
+    from vdoor.experiments import cover_benchmark
+
+    files = [file for path in maps for file in (_maps_in(path) if path.is_dir() else [path])]
+    grids = {path.name: read_grid(path, resolution, None, 100_000_000, quiet=True) for path in files}
+    pipeline = chosen_pipeline(preset, None, set_)
+    cover = dataclasses.replace(pipeline.cover, radius_m=robot_radius, tool_m=tool_width)
+    if not as_json:
+        print(cover_benchmark.HEADING)
+    found = []
+    for report in cover_benchmark.measured(grids, pipeline, cover):
+        print(json.dumps(dataclasses.asdict(report)) if as_json else report.to_text(), flush=True)
+        found.append(report)
+    for mean in cover_benchmark.means(found) if not as_json else ():
+        print(mean.to_text())
+
+
 def _maps_in(folder: Path) -> list[Path]:
     """The maps of a folder, without label images, truth, and images that belong to a YAML."""
     found = [path for suffix in MAP_SUFFIXES for path in sorted(folder.glob(f"*{suffix}"))]

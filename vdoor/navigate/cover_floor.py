@@ -99,7 +99,8 @@ class CoverFloor:
     closed: tuple[str, ...] = ()
     """Ids of doors that are closed."""
     start: str = ""
-    """Where the path begins: a room's id or name, or X,Y in metres; if empty, the charger or the largest room."""
+    """Where the path begins: a room's id or name, or X,Y in metres; if empty, at the charger, at the robot, or in a corner
+    of the largest room."""
     end: str = ""
     """Where it ends: as for the start, or `start` to return; anywhere if empty."""
     mops: bool = False
@@ -108,12 +109,12 @@ class CoverFloor:
     """Clearance that is kept everywhere: the robot's radius."""
     tool_m: Annotated[float, Within(0.01, 10)] = 0.30
     """Width of the tool."""
-    trade: Annotated[float, Within(0, 1)] = 0.2
+    trade: Annotated[float, Within(0, 1)] = 0.15
     """How much area may stay uncovered for a length saved, as a share of what the tool sweeps on that length: the dial
     between coverage and length."""
     leave: Annotated[float, Within(0, 1)] = 0.02
     """Largest share of the floor that may stay uncovered for a shorter path."""
-    bend_m: Annotated[float, Within(0, 10)] = 0.25
+    bend_m: Annotated[float, Within(0, 10)] = 0.3
     """What a bend of the path costs, as a length."""
     speed_m_s: Annotated[float, Within(0.001, 10)] = 0.3
     turn_rad_s: Annotated[float, Within(0.001, 100)] = 1.5
@@ -200,7 +201,8 @@ class CoverFloor:
                     continue  # a charger stands at a wall
         for row in np.argsort(-topology.area_m2, kind="stable").tolist():
             if standing := standing_in(space, topology, topology.room_ids[row]):
-                return standing
+                own = (space.parts == space.parts[standing.cell]) & (topology.labels == topology.room_ids[row])
+                return standing_at(space, _centre_m(space, np.argwhere(own)[:1]), what="start")
         raise SettingError(f"radius_m: wanted a robot that fits into a room, found a radius of {self.radius_m:g} m")
 
     def _end(self, space: Space, topology: TopologicalMap, start: Standing) -> Floats | None:
@@ -261,3 +263,9 @@ def first_swept(found: Covered) -> Ints:
     first = np.zeros(found.wanted.size, np.int32)
     first[swept.cell[::-1]] = swept.segment[::-1] + 1  # the last assignment stays
     return first.reshape(found.wanted.shape)
+
+
+def _centre_m(space: Space, cell: NDArray[np.intp]) -> tuple[float, float]:
+    """The centre of one cell (1, 2), x, y."""
+    x_m, y_m = space.frame.world_from_cell(cell)[0].tolist()
+    return x_m, y_m

@@ -22,7 +22,7 @@ from vdoor.recording.rasters import occupancy_grid
 
 MARKERS, PICTURE, LOG = "/vdoor/markers", "/vdoor/map/picture", "/rosout"
 PATHS = {"route": "/vdoor/route/path", "coverage": "/vdoor/coverage/path"}
-SWEPT = "/vdoor/coverage/swept"
+SWEPT = "/vdoor/coverage/percent_of_time"
 TOPICS = (MARKERS, PICTURE, *PATHS.values(), SWEPT, LOG)
 INFO = 20
 CUBE_LIST, LINE_LIST, TEXT, DELETE_ALL = 6, 5, 9, 3

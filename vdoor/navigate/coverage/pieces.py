@@ -23,7 +23,7 @@ LANE_COST = 2.0
 """What a further lane costs, in widths of the tool, when the direction of lanes is chosen: two turns and a way."""
 GAP = 1.5
 """Lanes are interrupted where so many widths of the tool along them are swept already."""
-SHORTENED = 0.25
+SHORTENED = 0.4
 """How much a lane is shorter than what it has to sweep, at each end, in widths of the tool."""
 LEAST_CELLS = 4
 """Fewer uncovered cells in one place get no lane."""
