@@ -99,8 +99,8 @@ class CoverFloor:
     closed: tuple[str, ...] = ()
     """Ids of doors that are closed."""
     start: str = ""
-    """Where the path begins: a room's id or name, or X,Y in metres; if empty, at the charger, at the robot, or in a corner
-    of the largest room."""
+    """Where the path begins: a room's id or name, or X,Y in metres; if empty, the charger, the robot's place, or a
+    corner of the largest room."""
     end: str = ""
     """Where it ends: as for the start, or `start` to return; anywhere if empty."""
     mops: bool = False
@@ -231,16 +231,18 @@ class CoverFloor:
         point_m = frame.world_from_cell(path.point)
         step_m = np.diff(point_m, axis=0)
         reached = np.bincount(topology.labels[found.wanted], minlength=max(rooms) + 1)
+        at_s = motion.times_s(path, frame.resolution_m)
+        last = np.searchsorted(path.visit, np.arange(len(found.room)), "right") - 1
         return Coverage(
             swept=first_swept(found),
             point_m=point_m,
             yaw_rad=headings(step_m)[: len(point_m)],
             along_m=np.concatenate([[0.0], np.cumsum(np.hypot(*step_m.T))]),
-            at_s=motion.times_s(path, frame.resolution_m),
+            at_s=at_s,
             purpose=path.kind,
             visit=path.visit.astype(np.int32),
             visit_room=np.array(found.room if self.unit == "room" else [0] * len(found.room), np.int32),
-            visit_done_s=np.array(figures.visit_done_s, np.float64),
+            visit_done_s=at_s[last],
             missed=np.array([room for room in rooms if not reached[room]], np.int32),
             radius_m=self.radius_m,
             tool_m=self.tool_m,

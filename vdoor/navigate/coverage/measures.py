@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -45,8 +44,6 @@ class Measures:
     """Least distance from the path to the edge of a cell that must not be touched."""
     room_changes: int
     """How often the path goes from one room into another, and stays there for longer than the tool is wide."""
-    visit_done_s: tuple[float, ...]
-    """When each visit is finished."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -87,7 +84,6 @@ def measured(
         time_s=float(times_s[-1]),
         clearance_m=clearance(path.point, tool.blocked, radius_m / frame.resolution_m) * frame.resolution_m,
         room_changes=len(rooms_passed(path, labels, 2 * tool.reach)) - 1,
-        visit_done_s=tuple(_done_s(path, times_s)),
     )
 
 
@@ -105,12 +101,6 @@ def _again(path: Path, tool: Tool) -> Mask:
     again = np.zeros(tool.blocked.size, np.bool_)
     again[cell[1:][later]] = True
     return again
-
-
-def _done_s(path: Path, times_s: Floats) -> Sequence[float]:
-    """When the last point of each visit is reached."""
-    last = len(path.visit) - 1 - np.unique(path.visit[::-1], return_index=True)[1]
-    return [float(time_s) for time_s in times_s[last]]
 
 
 def rooms_passed(path: Path, labels: Labels, least: float) -> list[int]:

@@ -86,7 +86,7 @@ class Polish:
                 break
             worth = self._worth(path, changes)
             taken = _independent(worth, changes, len(path.point), self.wanted.size)
-            taken = taken[np.cumsum(worth.lost[taken]) <= worth.spare]
+            taken = taken[np.cumsum(np.maximum(worth.lost[taken], 0)) <= max(worth.spare, 0)]
             if not len(taken):
                 break
             active = _touched(changes, np.flatnonzero(worth.gain > EPSILON), len(path.point))
