@@ -26,6 +26,8 @@ ARC = 8
 """Straight pieces in a quarter of a circle around a corner."""
 MOST_SLACK = 0.25
 """Largest distance by which the floor is made smaller so that its boundary has fewer vertices, in cells."""
+NEAR = 2.0
+"""A place is moved so far onto a larger part of the floor, in cells."""
 SNAP = 1e-3
 """How much larger the floor is when it is asked whether a path stays inside, in cells: points on its boundary do."""
 
@@ -51,6 +53,20 @@ def floor_of(space: Space, centres: Mask) -> shapely.MultiPolygon:
     inside = free.buffer(-(radius + bulge + slack / 2), quad_segs=ARC).simplify(slack / 2)
     kept = [part for part in parts_of(inside) if _holds_any(part, centres)]
     return shapely.MultiPolygon(kept)
+
+
+def nearest_on(floor: shapely.MultiPolygon, point: Floats) -> Floats:
+    """The nearest place on the floor (2,), on the largest of its parts that is near enough.
+
+    An allowed cell may lie just outside, or on a part of its own that is cut off by a place where the robot barely
+    fits.
+    """
+    parts = shapely.get_parts(floor)
+    apart = shapely.distance(parts, shapely.Point(point))
+    near = np.flatnonzero(apart <= max(NEAR, float(apart.min())))
+    part = parts[near[int(np.argmax(shapely.area(parts[near])))]]
+    inside = shapely.intersects_xy(part, *point)
+    return point if inside else shapely.get_coordinates(shapely.shortest_line(part, shapely.Point(point)))[0]
 
 
 def _slack(radius: float) -> float:

@@ -10,7 +10,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from vdoor.navigate.coverage.floor import Part, floor_of, room_parts
+from vdoor.navigate.coverage.floor import Part, floor_of, nearest_on, room_parts
 from vdoor.navigate.coverage.net import Net
 from vdoor.navigate.coverage.path import Path
 from vdoor.navigate.coverage.pieces import Piece, lanes, wall_passes
@@ -71,7 +71,7 @@ def cover(task: Task) -> Covered:
     site = Site(floor_of(space, reached), tool, wanted, task.labels)
     parts = room_parts(site.floor, task.labels)
     chosen = [number for room in task.rooms for number, part in enumerate(parts) if part.room == room]
-    ends = np.stack([task.start, task.start if task.end is None else task.end])
+    ends = np.stack([nearest_on(site.floor, at) for at in (task.start, task.start if task.end is None else task.end)])
     ways = Parts.of(site.floor, [part.floor for part in parts], ends)
     tour = ways.round(chosen, ends=task.end is not None, ordered=task.ordered)
     path = _driven(site, parts, tour)
