@@ -31,7 +31,7 @@ Cell = tuple[int, int]
 Ints = NDArray[np.int32]
 Floats = NDArray[np.float64]
 
-NEAR_M = 10.0
+NEAR_M = 15.0
 """Routes up to this length are searched anew, in all cells: there the detour to a portal counts."""
 MOST_NODES = 500_000
 """Cells of the rooms whose graphs are kept: 50 MB."""
@@ -143,7 +143,7 @@ class Routes:
         plan = self._by_doors(start, goal)
         if self._room(start) == self._room(goal):
             plan = self._inside(start, goal, plan.length if plan else np.inf) or plan
-        if plan is None or plan.length * self.unit_m > NEAR_M:
+        if plan is None or plan.length == beeline(start, goal) or plan.length * self.unit_m > NEAR_M:
             return plan
         return Plan.over(local_way(self.space, start, goal, plan.length))
 
