@@ -167,17 +167,15 @@ class Routes:
         own, others = (self._of_room[self._room(cell)] for cell in (start, goal))
         if not own or not others:
             return None
-        rows = np.array([self._row(terminal)[others] for terminal in own])
         before, after = self._to_terminals(start), self._to_terminals(goal)
-        total = before[:, None] + rows + after
-        one, other = divmod(int(np.argmin(total)), len(others))
-        if not np.isfinite(total[one, other]):
+        row = self._from(own, before)
+        last = int(np.argmin(row[others] + after))
+        if not np.isfinite(row[others[last]] + after[last]):
             return None
-        passed = self._passed(own[one], others[other])
-        left = self._row(others[other])[passed]
+        passed = self._passed(row, dict(zip(own, before.tolist(), strict=True)), others[last])
         stops = [start, *(self._cells[at] for at in passed), goal]
         rooms = [self._room(start), *(self._room_between(*ends) for ends in pairwise(passed)), self._room(goal)]
-        lengths = [before[one], *(left[:-1] - left[1:]), after[other]]
+        lengths = [row[passed[0]], *np.diff(row[passed]), after[last]]
         moves = [at for at, length in enumerate(lengths) if length]  # an end may be a terminal itself
         return Plan(
             (start, *(stops[at + 1] for at in moves)),
@@ -208,22 +206,37 @@ class Routes:
             self._fields[key] = found
         return found
 
-    def _passed(self, one: int, other: int) -> list[int]:
-        """The terminals from one to another, both included."""
-        row, passed = self._row(other), [one]
-        while passed[-1] != other:
-            passed.append(self._next(passed[-1], row))
-        return passed
+    def _from(self, own: list[int], before: Floats) -> Floats:
+        """The distances (t,) of all terminals from where the `own` ones are at some distances."""
+        links, count = self._links, len(self._cells)
+        reached = np.isfinite(before)
+        graph = csr_array(
+            (
+                np.append(links.data, before[reached] + 1),  # a length of 0 would be no link
+                np.append(links.indices, np.array(own)[reached]),
+                np.append(links.indptr, len(links.data) + np.count_nonzero(reached)),
+            ),
+            shape=(count + 1, count + 1),
+        )
+        found: Floats = dijkstra(graph, indices=np.array(count))[:count] - 1
+        return found
 
-    def _next(self, at: int, row: Floats) -> int:
-        """The terminal after another one, on the way to where the distances of a row are 0."""
+    def _passed(self, row: Floats, own: dict[int, float], last: int) -> list[int]:
+        """The terminals from one of `own`, at their distances, to the last one, by the distances of all in a row."""
+        passed = [last]
+        while own.get(passed[-1]) != row[passed[-1]]:
+            passed.append(self._before(passed[-1], row))
+        return passed[::-1]
+
+    def _before(self, at: int, row: Floats) -> int:
+        """The terminal from which another one is reached at its distance."""
         for room in self._rooms_of[at]:
             terminals = self._of_room[room]
             distance = self._table(room)[terminals.index(at)]
-            for to, length in zip(terminals, distance.tolist(), strict=True):
-                if to != at and length < FAR and length + row[to] == row[at]:
-                    return to
-        raise AssertionError("a terminal at a distance has one nearer by")
+            fits = np.flatnonzero((distance > 0) & (distance < FAR) & (row[terminals] + distance == row[at]))
+            if len(fits):
+                return terminals[int(fits[0])]
+        raise AssertionError("a terminal at a distance is reached from one nearer by")
 
     def _room_between(self, one: int, other: int) -> int:
         """The room through which two terminals are nearest to each other, the first of equal ones."""
