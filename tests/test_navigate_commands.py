@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import recorded
+import vacuum
 import yaml
 from mcap.reader import make_reader
 
@@ -166,3 +167,15 @@ def test_rooms_out_of_reach_are_named(flat: Path, command: Command) -> None:
     refused = command("order", flat / "res", "--start", "1", "--end", "2", "--robot-radius", "0.35", code=2).err
     assert refused.startswith("vdoor: order: wanted a way from the start to the end, found none")
     assert command("order", flat / "res", "--return", code=2).err.startswith("vdoor: --return: wanted a --start")
+
+
+def test_restrictions_of_the_map_file_hold_in_its_result_too(command: Command, tmp_path: Path) -> None:
+    rows = ["#" * 83, *["#" + "." * 40 + "#" + "." * 40 + "#"] * 40, "#" * 83]
+    rows[14:30] = ["#" + "." * 81 + "#"] * 16  # a door of 0.8 m
+    wall = [*vacuum.centre_cm(13, 45), *vacuum.centre_cm(31, 45)]
+    home = vacuum.write_home(tmp_path / "home.json", vacuum.home("\n".join(rows), virtual_wall=wall))
+    command("run", home, "--out", tmp_path / "res", "--mcap", tmp_path / "a.mcap", "--quiet")
+    told = [command("route", source, "1", "2", "--json", code=1).json for source in (home, tmp_path / "res")]
+    told.append(command("route", tmp_path / "a.mcap", "1", "2", "--json", code=1).json)
+    assert told[0] == told[1] == told[2]
+    assert [item["kind"] for item in told[0]["in_the_way"]] == ["no-go area"]
