@@ -131,8 +131,9 @@ class Routes:
         ends = np.array(plan.stops, np.float64)
         seen = self.sight.all_clear(ends[:-1], ends[1:]).tolist()
         path = [start]
-        for one, other, room, clear in zip(plan.stops, plan.stops[1:], plan.rooms, seen, strict=False):
-            path += [other] if clear or not room else self._way(one, other, room)[1:]
+        legs = zip(pairwise(plan.stops), plan.rooms, plan.lengths, seen, strict=True)
+        for (one, other), room, length, clear in legs:
+            path += [other] if clear or not room else self._way(one, other, room, length)[1:]
         return pulled(path, self.sight)
 
     def plan(self, start: Cell, goal: Cell) -> Plan | None:
@@ -147,11 +148,16 @@ class Routes:
             return plan
         return Plan.over(local_way(self.space, start, goal, plan.length))
 
-    def _way(self, start: Cell, goal: Cell, room: int) -> list[Cell]:
+    def _way(self, start: Cell, goal: Cell, room: int, length: int) -> list[Cell]:
         """The ends and bends of the way between two stops of a plan, at least one of them a terminal, within a room."""
         if goal in self._number or start not in self._number:  # of two cells the terminal, whose field may be kept
-            return self._graph(room).way(start, self._field(room, goal))
-        return self._graph(room).way(goal, self._field(room, start))[::-1]
+            return self._graph(room).way(start, self._near(room, goal, length))
+        return self._graph(room).way(goal, self._near(room, start, length))[::-1]
+
+    def _near(self, room: int, cell: Cell, most: int) -> Ints:
+        """The distance (n,) of each node of a room from one cell, at least of those up to a distance."""
+        kept = self._fields.get((room, cell))
+        return self._graph(room).distances(cell, limit=most) if kept is None else kept
 
     def _room(self, cell: Cell) -> int:
         return int(self.topology.labels[cell])
