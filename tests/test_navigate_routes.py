@@ -257,7 +257,7 @@ def test_places_in_a_wall_are_moved_and_places_too_far_refused() -> None:
         FindRoute(start="0.05,5.0", goal="2")(grid, topology)
     with pytest.raises(SettingError, match="goal: wanted one of 1, 2"):
         FindRoute(start="1", goal="9")(grid, topology)
-    with pytest.raises(SettingError, match="avoid: wanted a point in a room, found none at 3.3,0.1"):
+    with pytest.raises(SettingError, match=r"avoid: wanted a point in a room, found none at 3\.3,0\.1"):
         FindRoute(start="1", goal="2", avoid=("3.3,0.1",))(grid, topology)
     with pytest.raises(SettingError, match="closed: no door there"):
         FindRoute(start="1", goal="2", closed=("1,1",))(grid, topology)

@@ -1,7 +1,8 @@
-"""Where routes pass a door: at the ends and in the middle of the cells that keep the clearance."""
+"""Where routes pass a door: at the ends and in the middle of the cells that keep the clearance, and between."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,6 +12,8 @@ from vdoor.navigate.blocked import door_contacts
 from vdoor.navigate.space import Space
 from vdoor.topology import TopologicalMap
 
+APART_M = 1.0
+"""Portals of a wide door are at most so far apart."""
 Cell = tuple[int, int]
 Floats = NDArray[np.float64]
 
@@ -26,7 +29,7 @@ class Portal:
 
 
 def portals_of(space: Space, topology: TopologicalMap) -> list[Portal]:
-    """The portals of all doors, in their order: three for each run of passable contacts, fewer if it is short.
+    """The portals of all doors, in their order: three for each run of passable contacts, more where it is wide.
 
     A door that is too narrow for the robot has none.
     """
@@ -39,18 +42,20 @@ def portals_of(space: Space, topology: TopologicalMap) -> list[Portal]:
     found = []
     for own in np.split(order, np.flatnonzero(np.diff(owner[order])) + 1) if len(order) else ():
         door = topology.door(int(owner[own[0]]) + 1)
-        for row, col in _chosen(place[own], lower[own], end[door.id - 1] - start[door.id - 1]):
+        along, apart = end[door.id - 1] - start[door.id - 1], APART_M / topology.frame.resolution_m
+        for row, col in _chosen(place[own], lower[own], along, apart):
             found.append(Portal(door.id, door.rooms, (row, col)))
     return found
 
 
-def _chosen(place: Floats, cell: NDArray[np.intp], along: Floats) -> list[Cell]:
-    """The cells at both ends and in the middle of each run of contacts (k, 2), sorted along the door."""
+def _chosen(place: Floats, cell: NDArray[np.intp], along: Floats, apart: float) -> list[Cell]:
+    """The cells at both ends, in the middle, and at most `apart` cells on, of each run of contacts (k, 2)."""
     order = np.lexsort((place[:, 1], place[:, 0], np.round(place @ along, 6)))
     gaps = np.hypot(*np.diff(place[order], axis=0).T) > 1.5  # noqa: PLR2004  # more than a diagonal step
     cells: list[Cell] = []
     for run in np.split(order, np.flatnonzero(gaps) + 1):
-        for at in sorted({0, len(run) // 2, len(run) - 1}):
+        count = 2 * math.ceil(max(len(run) / (2 * apart), 1)) + 1
+        for at in np.unique(np.linspace(0, len(run) - 1, count).round().astype(int)).tolist():
             row, col = cell[run[at]].tolist()
             cells.append((row, col))
     return list(dict.fromkeys(cells))

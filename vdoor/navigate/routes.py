@@ -31,7 +31,7 @@ Cell = tuple[int, int]
 Ints = NDArray[np.int32]
 Floats = NDArray[np.float64]
 
-NEAR_M = 10.0
+NEAR_M = 15.0
 """Routes up to this length are searched anew, in all cells: there the detour to a portal counts."""
 MOST_NODES = 500_000
 """Cells of the rooms whose graphs are kept: 50 MB."""
@@ -131,8 +131,9 @@ class Routes:
         ends = np.array(plan.stops, np.float64)
         seen = self.sight.all_clear(ends[:-1], ends[1:]).tolist()
         path = [start]
-        for one, other, room, clear in zip(plan.stops, plan.stops[1:], plan.rooms, seen, strict=False):
-            path += [other] if clear or not room else self._way(one, other, room)[1:]
+        legs = zip(pairwise(plan.stops), plan.rooms, plan.lengths, seen, strict=True)
+        for (one, other), room, length, clear in legs:
+            path += [other] if clear or not room else self._way(one, other, room, length)[1:]
         return pulled(path, self.sight)
 
     def plan(self, start: Cell, goal: Cell) -> Plan | None:
@@ -143,15 +144,20 @@ class Routes:
         plan = self._by_doors(start, goal)
         if self._room(start) == self._room(goal):
             plan = self._inside(start, goal, plan.length if plan else np.inf) or plan
-        if plan is None or plan.length * self.unit_m > NEAR_M:
+        if plan is None or plan.length == beeline(start, goal) or plan.length * self.unit_m > NEAR_M:
             return plan
         return Plan.over(local_way(self.space, start, goal, plan.length))
 
-    def _way(self, start: Cell, goal: Cell, room: int) -> list[Cell]:
+    def _way(self, start: Cell, goal: Cell, room: int, length: int) -> list[Cell]:
         """The ends and bends of the way between two stops of a plan, at least one of them a terminal, within a room."""
         if goal in self._number or start not in self._number:  # of two cells the terminal, whose field may be kept
-            return self._graph(room).way(start, self._field(room, goal))
-        return self._graph(room).way(goal, self._field(room, start))[::-1]
+            return self._graph(room).way(start, self._near(room, goal, length))
+        return self._graph(room).way(goal, self._near(room, start, length))[::-1]
+
+    def _near(self, room: int, cell: Cell, most: int) -> Ints:
+        """The distance (n,) of each node of a room from one cell, at least of those up to a distance."""
+        kept = self._fields.get((room, cell))
+        return self._graph(room).distances(cell, limit=most) if kept is None else kept
 
     def _room(self, cell: Cell) -> int:
         return int(self.topology.labels[cell])
@@ -167,17 +173,15 @@ class Routes:
         own, others = (self._of_room[self._room(cell)] for cell in (start, goal))
         if not own or not others:
             return None
-        rows = np.array([self._row(terminal)[others] for terminal in own])
         before, after = self._to_terminals(start), self._to_terminals(goal)
-        total = before[:, None] + rows + after
-        one, other = divmod(int(np.argmin(total)), len(others))
-        if not np.isfinite(total[one, other]):
+        row = self._from(own, before)
+        last = int(np.argmin(row[others] + after))
+        if not np.isfinite(row[others[last]] + after[last]):
             return None
-        passed = self._passed(own[one], others[other])
-        left = self._row(others[other])[passed]
+        passed = self._passed(row, dict(zip(own, before.tolist(), strict=True)), others[last])
         stops = [start, *(self._cells[at] for at in passed), goal]
         rooms = [self._room(start), *(self._room_between(*ends) for ends in pairwise(passed)), self._room(goal)]
-        lengths = [before[one], *(left[:-1] - left[1:]), after[other]]
+        lengths = [row[passed[0]], *np.diff(row[passed]), after[last]]
         moves = [at for at, length in enumerate(lengths) if length]  # an end may be a terminal itself
         return Plan(
             (start, *(stops[at + 1] for at in moves)),
@@ -208,22 +212,37 @@ class Routes:
             self._fields[key] = found
         return found
 
-    def _passed(self, one: int, other: int) -> list[int]:
-        """The terminals from one to another, both included."""
-        row, passed = self._row(other), [one]
-        while passed[-1] != other:
-            passed.append(self._next(passed[-1], row))
-        return passed
+    def _from(self, own: list[int], before: Floats) -> Floats:
+        """The distances (t,) of all terminals from where the `own` ones are at some distances."""
+        links, count = self._links, len(self._cells)
+        reached = np.isfinite(before)
+        graph = csr_array(
+            (
+                np.append(links.data, before[reached] + 1),  # a length of 0 would be no link
+                np.append(links.indices, np.array(own)[reached]),
+                np.append(links.indptr, len(links.data) + np.count_nonzero(reached)),
+            ),
+            shape=(count + 1, count + 1),
+        )
+        found: Floats = dijkstra(graph, indices=np.array(count))[:count] - 1
+        return found
 
-    def _next(self, at: int, row: Floats) -> int:
-        """The terminal after another one, on the way to where the distances of a row are 0."""
+    def _passed(self, row: Floats, own: dict[int, float], last: int) -> list[int]:
+        """The terminals from one of `own`, at their distances, to the last one, by the distances of all in a row."""
+        passed = [last]
+        while own.get(passed[-1]) != row[passed[-1]]:
+            passed.append(self._before(passed[-1], row))
+        return passed[::-1]
+
+    def _before(self, at: int, row: Floats) -> int:
+        """The terminal from which another one is reached at its distance."""
         for room in self._rooms_of[at]:
             terminals = self._of_room[room]
             distance = self._table(room)[terminals.index(at)]
-            for to, length in zip(terminals, distance.tolist(), strict=True):
-                if to != at and length < FAR and length + row[to] == row[at]:
-                    return to
-        raise AssertionError("a terminal at a distance has one nearer by")
+            fits = np.flatnonzero((distance > 0) & (distance < FAR) & (row[terminals] + distance == row[at]))
+            if len(fits):
+                return terminals[int(fits[0])]
+        raise AssertionError("a terminal at a distance is reached from one nearer by")
 
     def _room_between(self, one: int, other: int) -> int:
         """The room through which two terminals are nearest to each other, the first of equal ones."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import functools
-import math
 import struct
 from typing import TYPE_CHECKING, Any
 
@@ -79,12 +78,10 @@ def pose(x_m: float = 0.0, y_m: float = 0.0, *, z: float = 0.0, w: float = 1.0) 
 
 def path(point_m: NDArray[np.float64], yaw_rad: NDArray[np.float64], *, time_ns: int) -> Any:
     """nav_msgs/Path through points (k, 2), x, y in metres, with the heading (k,) at each."""
+    with np.errstate(invalid="ignore"):  # a damaged recording can hold any number
+        turns = np.stack([np.sin(yaw_rad / 2), np.cos(yaw_rad / 2)], axis=1)
     poses = [
-        make(
-            "geometry_msgs/msg/PoseStamped",
-            header=header(time_ns),
-            pose=pose(*at, z=math.sin(yaw / 2), w=math.cos(yaw / 2)),
-        )
-        for at, yaw in zip(point_m.tolist(), yaw_rad.tolist(), strict=True)
+        make("geometry_msgs/msg/PoseStamped", header=header(time_ns), pose=pose(*at, z=z, w=w))
+        for at, (z, w) in zip(point_m.tolist(), turns.tolist(), strict=True)
     ]
     return make("nav_msgs/msg/Path", header=header(time_ns), poses=poses)

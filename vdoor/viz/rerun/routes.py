@@ -20,6 +20,7 @@ CM_PER_M = 100
 STEP_M = 0.05
 MOST_PLACES = 20_000
 """The robot is drawn at no more places than that."""
+LONGEST_M = 1e9
 
 
 def draw_route(scene: Scene, route: Route) -> None:
@@ -45,6 +46,8 @@ def draw_route(scene: Scene, route: Route) -> None:
 def draw_driving(scene: Scene, entity: str, frame: Frame, point_m: Floats, *, radius_m: float) -> None:
     """Draw a robot that drives along a path through points (k, 2), x, y, on the timeline `drive`."""
     along_m = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(point_m, axis=0).T))])
+    if not along_m[-1] < LONGEST_M:  # a damaged recording can hold any number
+        return
     count = int(np.clip(along_m[-1] / STEP_M, 1, MOST_PLACES))
     at_m = np.unique(np.concatenate([np.linspace(0, along_m[-1], count + 1), along_m]))
     x_m, y_m = (np.interp(at_m, along_m, point_m[:, axis]) for axis in (0, 1))

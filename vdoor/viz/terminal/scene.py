@@ -151,7 +151,8 @@ def _drawn_route(run: History, canvas: Canvas) -> Canvas:
     """The path over the rooms, and what is in the way."""
     del canvas
     route = run.route
-    point, in_the_way = (route.frame.cell_from_world(points_m) for points_m in (route.point_m, route.obstacle_m))
+    cells = [route.frame.cell_from_world(points_m) for points_m in (route.point_m, route.obstacle_m)]
+    point, in_the_way = (cell[np.abs(cell).max(axis=1, initial=0) < FAR] for cell in cells)  # false for nan
     ground = _drawn_map(run).line("forward", point[:-1], point[1:], ends=True)
     return ground.paint("selected", in_the_way)
 
