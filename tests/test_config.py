@@ -13,7 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from maps import law
 
-from vdoor.config import parse_assignments, read_toml, settings_of, to_toml, with_settings
+from vdoor.config import all_settings_of, parse_assignments, read_toml, settings_of, to_toml, with_settings
 from vdoor.errors import SettingError
 from vdoor.method.scoring.score import NoScores, ScoreDoors
 from vdoor.method.search.certificate import NoProof
@@ -42,7 +42,7 @@ def test_settings_go_out_as_toml_and_come_back(preset: str, tmp_path: Path) -> N
 
 def test_every_setting_is_in_the_file_with_its_meaning_above_it() -> None:
     text = to_toml(Pipeline(), CHOICES)
-    tables = settings_of(Pipeline(), CHOICES)
+    tables = all_settings_of(Pipeline(), CHOICES)
     assert tomllib.loads(text) == {name: table for name, table in tables.items() if table}
     assert "# Longest door, between the centres of its end cells. (0 to 20)\nmax_length_m = 1.2\n" in text
     assert '# One of genetic, exhaustive, annealing, memetic\nmethod = "genetic"\n' in text

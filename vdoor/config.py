@@ -41,7 +41,16 @@ def check_range(value: Any, low: float, high: float, place: str) -> None:
 
 
 def settings_of(pipeline: object, choices: Choices) -> dict[str, dict[str, Any]]:
-    """All settings of all stages as nested tables; `with_settings` reads them back."""
+    """The settings of a run's stages as nested tables; `with_settings` reads them back.
+
+    Stages that are not part of the run, having `asked` false, are left out.
+    """
+    tables = all_settings_of(pipeline, choices)
+    return {name: table for name, table in tables.items() if getattr(getattr(pipeline, name), "asked", True)}
+
+
+def all_settings_of(pipeline: object, choices: Choices) -> dict[str, dict[str, Any]]:
+    """The settings of all stages as nested tables, whether a run has them or not."""
     tables: dict[str, dict[str, Any]] = {}
     for field in dataclasses.fields(pipeline):  # type: ignore[arg-type]  # any pipeline dataclass
         stage = getattr(pipeline, field.name)
@@ -153,7 +162,7 @@ def parse_assignments(assignments: Iterable[str]) -> dict[str, dict[str, Any]]:
 def to_toml(pipeline: object, choices: Choices) -> str:
     """All settings as a TOML file, each below a comment with its meaning."""
     parts = []
-    for name, table in settings_of(pipeline, choices).items():
+    for name, table in all_settings_of(pipeline, choices).items():
         if not table:
             continue
         stage = getattr(pipeline, name)

@@ -34,6 +34,9 @@ from vdoor.method.search.optimisers import AnnealingSearch, ExhaustiveSearch, Ge
 from vdoor.method.search.problem import MergeProblem
 from vdoor.method.simplify import SimplifiedGrid, SimplifyGrid
 from vdoor.method.wide_doors import ProposeWideDoors
+from vdoor.navigate.cover_floor import Coverage, CoverFloor
+from vdoor.navigate.find_route import FindRoute, Route
+from vdoor.navigate.tasks import WithTasks, done
 from vdoor.record import Record
 from vdoor.topology import TopologicalMap
 
@@ -55,6 +58,8 @@ RECORDS: tuple[type[Record], ...] = (
     GrownRooms,
     Edits,
     TopologicalMap,
+    Route,
+    Coverage,
 )
 """All records that runs emit, in this order, with one `Generation` per generation of the search. The ones that a given
 pipeline emits are its `records`."""
@@ -84,7 +89,7 @@ class Proposals(NamedTuple):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Pipeline:
+class Pipeline(WithTasks):
     """The method with its settings; the defaults are the paper's."""
 
     simplify: SimplifyGrid = field(default_factory=SimplifyGrid)
@@ -100,11 +105,14 @@ class Pipeline:
     certify: NoProof | BoundEnergy = field(default_factory=NoProof)
     merge: MergeRooms = field(default_factory=MergeRooms)
     edit: EditRooms = field(default_factory=EditRooms)
+    route: FindRoute = field(default_factory=FindRoute)
+    cover: CoverFloor = field(default_factory=CoverFloor)
 
     @property
     def records(self) -> tuple[type[Record], ...]:
         """The records that a run emits, in order."""
         left_out: set[type[Record]] = {Skeleton, CriticalLines, ErodedSpace, GrownRooms}
+        left_out |= {task.record for task in self.tasks if not task.asked}
         left_out |= {DoorScores} if isinstance(self.score, NoScores) else set()
         proven = isinstance(self.certify, BoundEnergy) and self.cost.counts_separating
         left_out |= set() if proven else {Certificate}
@@ -128,7 +136,7 @@ class Pipeline:
         topology, edits = self.edit(merged, opened)
         if edits is not None:
             emit(edits)
-        return emit(topology)
+        return done(self.tasks, grid, emit(topology), emit)
 
     def propose(self, grid: OccupancyGrid, emit: Emit = silent) -> Proposals:
         """The stages of section II up to the virtual doors."""

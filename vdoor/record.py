@@ -168,5 +168,5 @@ def texts_of(record: Record, column: str) -> list[str]:
     spec = specs(type(record))[column][0]
     if spec.words:
         return [spec.words[code] for code in values.tolist()]
-    rows = values.reshape(len(values), -1).tolist()
+    rows = values.reshape(len(values), values.size // max(len(values), 1)).tolist()
     return [",".join(f"{value:.4g}" if isinstance(value, float) else str(value) for value in row) for row in rows]

@@ -18,7 +18,7 @@ from project import HOME, PAGES
 import vdoor
 import vdoor.cli
 import vdoor.export
-from vdoor.config import settings_of
+from vdoor.config import all_settings_of
 from vdoor.editing.edits import FORMS
 from vdoor.formats import READERS
 from vdoor.pipeline import METHODS, PRESETS, RECORDS
@@ -66,7 +66,7 @@ def test_settings_are_all_there() -> None:
         assert (inspect.getdoc(kind) or "").splitlines()[0] in text
         assert all(f"\n| `{field.name}` |" in text for field in dataclasses.fields(kind))
     for preset in PRESETS.values():
-        assert all(f"## `{stage}`\n" in text for stage in settings_of(preset, METHODS))
+        assert all(f"## `{stage}`\n" in text for stage in all_settings_of(preset, METHODS))
     assert "| `max_island_m` | `1.0` | `0.0` | 0 to 100 | Free-standing obstacles" in text
 
 

@@ -18,6 +18,9 @@ from vdoor.emit import Emit, silent
 from vdoor.frame import Frame
 from vdoor.grid import FREE, OccupancyGrid
 from vdoor.method.simplify import SimplifiedGrid, SimplifyGrid
+from vdoor.navigate.cover_floor import CoverFloor
+from vdoor.navigate.find_route import FindRoute
+from vdoor.navigate.tasks import WithTasks, done, records_of
 from vdoor.raster.labels import at_input, flooded, numbered, whole
 from vdoor.raster.polygons import centres
 from vdoor.raster.runs import runs_of
@@ -99,7 +102,7 @@ class LabelRooms:
 
 
 @dataclass(frozen=True, kw_only=True)
-class ErodedSpacePipeline:
+class ErodedSpacePipeline(WithTasks):
     """The baseline that erodes the free space and grows the remaining components back to rooms."""
 
     simplify: SimplifyGrid = field(default_factory=SimplifyGrid)
@@ -107,12 +110,14 @@ class ErodedSpacePipeline:
     grow: GrowRooms = field(default_factory=GrowRooms)
     label: LabelRooms = field(default_factory=LabelRooms)
     edit: EditRooms = field(default_factory=EditRooms)
+    route: FindRoute = field(default_factory=FindRoute)
+    cover: CoverFloor = field(default_factory=CoverFloor)
 
     @property
     def records(self) -> tuple[type[Record], ...]:
         """The records that a run emits, in order."""
         edits = [Edits] if self.edit.edits else []
-        return OccupancyGrid, SimplifiedGrid, ErodedSpace, GrownRooms, *edits, TopologicalMap
+        return OccupancyGrid, SimplifiedGrid, ErodedSpace, GrownRooms, *edits, TopologicalMap, *records_of(self.tasks)
 
     def __call__(self, grid: OccupancyGrid, rng: np.random.Generator, emit: Emit = silent) -> TopologicalMap:
         """Rooms and doors of `grid`; `emit` is called with every stage's record. `rng` is not used."""
@@ -124,4 +129,4 @@ class ErodedSpacePipeline:
         topology, edits = self.edit(self.label(opened.grid, simplified, grown), opened)
         if edits is not None:
             emit(edits)
-        return emit(topology)
+        return done(self.tasks, grid, emit(topology), emit)

@@ -19,6 +19,9 @@ from vdoor.method.search.costs import MapCost
 from vdoor.method.search.generation import Generation, summary
 from vdoor.method.search.problem import MergeProblem
 from vdoor.method.simplify import SimplifiedGrid, SimplifyGrid
+from vdoor.navigate.cover_floor import CoverFloor
+from vdoor.navigate.find_route import FindRoute
+from vdoor.navigate.tasks import WithTasks, done, records_of
 from vdoor.raster.lines import lines_between
 from vdoor.record import Record
 from vdoor.topology import KINDS, TopologicalMap
@@ -60,7 +63,7 @@ class CrossNarrows:
 
 
 @dataclass(frozen=True, kw_only=True)
-class VoronoiDoorsPipeline:
+class VoronoiDoorsPipeline(WithTasks):
     """The baseline of doors across the skeleton's narrow places; all doors that separate something are kept."""
 
     simplify: SimplifyGrid = field(default_factory=SimplifyGrid)
@@ -71,6 +74,8 @@ class VoronoiDoorsPipeline:
     cost: MapCost = field(default_factory=MapCost)
     merge: MergeRooms = field(default_factory=MergeRooms)
     edit: EditRooms = field(default_factory=EditRooms)
+    route: FindRoute = field(default_factory=FindRoute)
+    cover: CoverFloor = field(default_factory=CoverFloor)
 
     @property
     def records(self) -> tuple[type[Record], ...]:
@@ -85,6 +90,7 @@ class VoronoiDoorsPipeline:
             Generation,
             *([Edits] if self.edit.edits else []),
             TopologicalMap,
+            *records_of(self.tasks),
         )
 
     def __call__(self, grid: OccupancyGrid, rng: np.random.Generator, emit: Emit = silent) -> TopologicalMap:
@@ -101,7 +107,7 @@ class VoronoiDoorsPipeline:
         topology, edits = self.edit(self.merge(opened.grid, simplified, initial, choice, problem), opened)
         if edits is not None:
             emit(edits)
-        return emit(topology)
+        return done(self.tasks, grid, emit(topology), emit)
 
 
 def everything_kept(problem: MergeProblem) -> Generation:

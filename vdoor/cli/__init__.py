@@ -9,9 +9,11 @@ import typer
 
 from vdoor import __version__
 from vdoor.cli import (
+    cover,
     edits,
     evaluate,
     export,
+    navigate,
     paper,
     recordings,
     rooms,
@@ -48,6 +50,13 @@ COMMANDS = (
     ("export", export.export, "vdoor export result/ --to nav2-route -o route.geojson"),
     ("rooms", rooms.rooms, "vdoor rooms result/"),
     ("room-at", rooms.room_at, "vdoor room-at 3.2,-4.1 out.mcap"),
+    ("route", navigate.route, "vdoor route result/ Kitchen 3 --via Hall --export waypoints=path.yaml"),
+    (
+        "cover",
+        cover.cover,
+        "vdoor cover result/ --return --export csv=path.csv; vdoor cover map.yaml --room 3 --save out.rrd",
+    ),
+    ("order", navigate.order, "vdoor order result/ --start Hall --return"),
     ("rename", edits.rename, "vdoor rename result/ 3 Kitchen"),
     ("split", edits.split, "vdoor split result/ 1.2,3.4 1.2,8.0"),
     ("merge", edits.merge, "vdoor merge result/ 2 5"),
@@ -60,11 +69,14 @@ COMMANDS = (
     ("synth", studies.synth, "vdoor synth maps/flat --kind paper --seed 3 --set furniture=true"),
     ("train", studies.train, "vdoor train -o curves.json; vdoor run map.pgm --set score.model=curves.json"),
     ("bench", studies.bench, "vdoor bench --tile 4"),
+    ("cover-bench", studies.cover_bench, "vdoor cover-bench maps/ --set cover.trade=0.3"),
+    ("route-bench", studies.route_bench, "vdoor route-bench maps/ --starts 40; vdoor route-bench map.yaml --tile 4"),
     ("paper", paper.paper, "vdoor paper --apartments 20; vdoor paper --out recordings/paper --rrd --force"),
     ("search-study", studies.search_study, "vdoor search-study --graphs 60 --seeds 50"),
 )
 """Name, function, example."""
-CONTEXTS = {name: {"ignore_unknown_options": True} for name in ("room-at", "rename", "split", "merge", "door")}
+WITH_PLACES = ("room-at", "route", "cover", "order", "rename", "split", "merge", "door")
+CONTEXTS = {name: {"ignore_unknown_options": True} for name in WITH_PLACES}
 """Places such as -1.2,3.4 begin with a minus and are not options."""
 
 for name, function, example in COMMANDS:

@@ -11,6 +11,8 @@ from vdoor.cli.options import Force, Json, Preset, Resolution, Seed, Set, chosen
 from vdoor.config import DEFAULT_PRESET
 from vdoor.errors import SettingError, say
 
+MAP_SUFFIXES = (".yaml", ".pgm", ".png", ".json")
+
 
 def synth(
     stem: Annotated[
@@ -64,6 +66,76 @@ def bench(
         grids or benchmark.own_maps(), pipeline, tile=tile, record=both_recordings if record else None
     ):
         print(report.to_json() if as_json else report.to_text())
+
+
+def route_bench(
+    maps: Annotated[list[Path], typer.Argument(metavar="MAP...", help="Maps, or folders of them.")],
+    *,
+    tile: Annotated[int, typer.Option(min=1, max=64, metavar="N", help="Tile each map N x N.")] = 1,
+    starts: Annotated[int, typer.Option(min=1, metavar="N", help="Starts on each map, with five goals each.")] = 20,
+    robot_radius: Annotated[float, typer.Option(min=0.001, max=10, metavar="M", help="Clearance.")] = 0.17,
+    preset: Preset = DEFAULT_PRESET,
+    set_: Set = None,
+    resolution: Resolution = None,
+    as_json: Json = False,
+) -> None:
+    """Compare routes by rooms and doors with the whole grid: lengths, CPU times, clearance."""
+    import dataclasses
+    import json
+
+    from vdoor.experiments import route_benchmark
+
+    files = [file for path in maps for file in (_maps_in(path) if path.is_dir() else [path])]
+    grids = {path.name: read_grid(path, resolution, None, 100_000_000, quiet=True) for path in files}
+    pipeline = chosen_pipeline(preset, None, set_)
+    if not as_json:
+        print(route_benchmark.HEADING)
+    for report in route_benchmark.measured(grids, pipeline, tile=tile, starts=starts, radius_m=robot_radius):
+        print(json.dumps(dataclasses.asdict(report)) if as_json else report.to_text(), flush=True)
+
+
+def cover_bench(
+    maps: Annotated[list[Path], typer.Argument(metavar="MAP...", help="Maps, or folders of them.")],
+    *,
+    robot_radius: Annotated[float, typer.Option(min=0.001, max=10, metavar="M", help="Clearance.")] = 0.17,
+    tool_width: Annotated[float, typer.Option(min=0.01, max=10, metavar="M", help="Width that is swept.")] = 0.30,
+    preset: Preset = DEFAULT_PRESET,
+    set_: Set = None,
+    resolution: Resolution = None,
+    as_json: Json = False,
+) -> None:
+    """Compare covering maps room by room with covering them as one: coverage, length, turns, CPU times.
+
+    `--set cover.trade=0.3` moves along the curve between coverage and length.
+    """
+    import dataclasses
+    import json
+
+    from vdoor.experiments import cover_benchmark
+
+    files = [file for path in maps for file in (_maps_in(path) if path.is_dir() else [path])]
+    grids = {path.name: read_grid(path, resolution, None, 100_000_000, quiet=True) for path in files}
+    pipeline = chosen_pipeline(preset, None, set_)
+    cover = dataclasses.replace(pipeline.cover, radius_m=robot_radius, tool_m=tool_width)
+    if not as_json:
+        print(cover_benchmark.HEADING)
+    found = []
+    for report in cover_benchmark.measured(grids, pipeline, cover):
+        print(json.dumps(dataclasses.asdict(report)) if as_json else report.to_text(), flush=True)
+        found.append(report)
+    for mean in cover_benchmark.means(found) if not as_json else ():
+        print(mean.to_text())
+
+
+def _maps_in(folder: Path) -> list[Path]:
+    """The maps of a folder, without label images, truth, and images that belong to a YAML."""
+    found = [path for suffix in MAP_SUFFIXES for path in sorted(folder.glob(f"*{suffix}"))]
+    owned = {path.with_suffix("").name for path in found if path.suffix == ".yaml"}
+    return [path for path in found if not (path.suffix != ".yaml" and path.stem in owned) and _is_map(path)]
+
+
+def _is_map(path: Path) -> bool:
+    return not any(word in path.stem for word in ("truth", "segmentation"))
 
 
 def search_study(

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from decimal import Decimal
 from typing import Any
 
-from vdoor.config import METHOD, field_docs, settings_of, with_settings
+from vdoor.config import METHOD, all_settings_of, field_docs, with_settings
 from vdoor.errors import SettingError
 from vdoor.method.scoring.model import model_named
 from vdoor.pipeline import METHODS, AnyPipeline
@@ -95,7 +95,7 @@ def settings(name: str, values: Sequence[Any], pipeline: AnyPipeline, seed: int)
     stage, _, part = name.partition(".")
 
     def value_of(changed: AnyPipeline) -> Any:
-        value = settings_of(changed, METHODS)[stage][part]
+        value = all_settings_of(changed, METHODS)[stage][part]
         return tuple(value) if isinstance(value, list) else value
 
     changed = [with_settings(pipeline, {stage: {part: value}}, METHODS, place="sweep") for value in values]

@@ -15,6 +15,7 @@ from vdoor.baselines import CriticalLines, ErodedSpace, GrownRooms, Skeleton
 from vdoor.baselines.critical_lines import FATES
 from vdoor.editing.apply import VERDICTS as EDIT_VERDICTS
 from vdoor.editing.apply import Edits
+from vdoor.explain import coverage, routes
 from vdoor.grid import OccupancyGrid
 from vdoor.history import History
 from vdoor.method.boundary import BoundaryPath
@@ -26,6 +27,8 @@ from vdoor.method.scoring.score import JUDGEMENTS, DoorScores
 from vdoor.method.search.certificate import Certificate
 from vdoor.method.search.generation import Generation
 from vdoor.method.simplify import REASONS, SimplifiedGrid
+from vdoor.navigate.cover_floor import Coverage
+from vdoor.navigate.find_route import Route
 from vdoor.record import Record, sizes
 from vdoor.topology import TopologicalMap
 
@@ -291,6 +294,22 @@ STAGE_VIEWS = (
         meaning="the result",
         element="final",
         stops=lambda run: np.arange(len(run.topology.kind)),
+    ),
+    StageView(
+        record=Route,
+        name="Route",
+        title="route on the final map",
+        summary=lambda run: routes.described(run.route),
+        tab="Route",
+        meaning="the path over the rooms; on the timeline `drive` the robot drives along it",
+    ),
+    StageView(
+        record=Coverage,
+        name="Coverage",
+        title="path that covers the floor",
+        summary=lambda run: coverage.described(run.coverage),
+        tab="Coverage",
+        meaning="passes along walls, lanes and ways between; on the timeline `drive` the swept floor fills with colour",
     ),
 )
 """All stages that have a row, in the order in which they are shown."""

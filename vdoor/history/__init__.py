@@ -118,7 +118,9 @@ class History(RunRecords):
         bordering = self._column("initial_map.border_edge")
         if bordering is not None and edges is not None and not _each_in_order(bordering, len(edges)):
             raise RecordingError(f"initial_map.border_edge: wanted each edge, in order, found others{self.place}")
-        working = [self.records[topic] for topic in STAGES[1:-1] if topic in self.records]
+        working = [
+            self.records[topic] for topic in STAGES[1 : STAGES.index(TopologicalMap.topic)] if topic in self.records
+        ]
         frames = {record.frame for record in working if hasattr(record, "frame")}
         if len(frames) > 1:
             raise RecordingError(f"frame: wanted one in all stages before the search, found {len(frames)}{self.place}")

@@ -23,6 +23,8 @@ from vdoor.method.scoring.score import DoorScores
 from vdoor.method.search.certificate import Certificate
 from vdoor.method.search.generation import Generation
 from vdoor.method.simplify import SimplifiedGrid
+from vdoor.navigate.cover_floor import Coverage
+from vdoor.navigate.find_route import Route
 from vdoor.pipeline import RECORDS
 from vdoor.record import Record, specs
 from vdoor.topology import TopologicalMap
@@ -210,3 +212,13 @@ class RunRecords:
     def topology(self) -> TopologicalMap:
         """Final topological map."""
         return self.get(TopologicalMap)
+
+    @property
+    def route(self) -> Route:
+        """Route on the final map, for runs that are asked for one."""
+        return self.get(Route)
+
+    @property
+    def coverage(self) -> Coverage:
+        """Path that covers the floor, for runs that are asked for one."""
+        return self.get(Coverage)

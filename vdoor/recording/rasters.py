@@ -24,6 +24,16 @@ def codes(words: tuple[str, ...]) -> Encodings:
     return {"8UC1": ("u1", 0, len(words) - 1)}
 
 
+def occupancy_grid(cells: NDArray[np.int8], frame: Frame, time_ns: int) -> Any:
+    """An occupancy raster (h, w) as a nav_msgs/OccupancyGrid."""
+    return ros.make(
+        Grid.message,
+        header=ros.header(time_ns),
+        info=_info(frame, cells.shape, time_ns),
+        data=np.ascontiguousarray(cells[::-1]).reshape(-1),
+    )
+
+
 @dataclass(frozen=True)
 class Grid:
     """An occupancy raster as an OccupancyGrid, where row 0 is at the bottom."""
@@ -35,13 +45,7 @@ class Grid:
 
     def encode(self, record: Record, time_ns: int) -> Any:
         """Message with the pose of the record's frame."""
-        cells = getattr(record, self.field)
-        return ros.make(
-            self.message,
-            header=ros.header(time_ns),
-            info=_info(frame_of(record), cells.shape, time_ns),
-            data=np.ascontiguousarray(cells[::-1]).reshape(-1),
-        )
+        return occupancy_grid(getattr(record, self.field), frame_of(record), time_ns)
 
     def decode(self, message: Any) -> dict[str, NDArray[np.int8]]:
         """Raster by its field's name; `RecordingError` if the message does not contain a valid one."""

@@ -6,6 +6,9 @@ import functools
 import struct
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from vdoor.errors import RecordingError
 
 if TYPE_CHECKING:
@@ -71,3 +74,14 @@ def pose(x_m: float = 0.0, y_m: float = 0.0, *, z: float = 0.0, w: float = 1.0) 
     """Pose at height 0, rotated about the vertical by the quaternion (0, 0, z, w)."""
     turn = make("geometry_msgs/msg/Quaternion", x=0.0, y=0.0, z=float(z), w=float(w))
     return make("geometry_msgs/msg/Pose", position=point(x_m, y_m), orientation=turn)
+
+
+def path(point_m: NDArray[np.float64], yaw_rad: NDArray[np.float64], *, time_ns: int) -> Any:
+    """nav_msgs/Path through points (k, 2), x, y in metres, with the heading (k,) at each."""
+    with np.errstate(invalid="ignore"):  # a damaged recording can hold any number
+        turns = np.stack([np.sin(yaw_rad / 2), np.cos(yaw_rad / 2)], axis=1)
+    poses = [
+        make("geometry_msgs/msg/PoseStamped", header=header(time_ns), pose=pose(*at, z=z, w=w))
+        for at, (z, w) in zip(point_m.tolist(), turns.tolist(), strict=True)
+    ]
+    return make("nav_msgs/msg/Path", header=header(time_ns), poses=poses)

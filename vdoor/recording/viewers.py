@@ -18,9 +18,12 @@ from vdoor.errors import RecordingError
 from vdoor.grid import FREE_TO
 from vdoor.record import Record, sizes
 from vdoor.recording import ros
+from vdoor.recording.rasters import occupancy_grid
 
 MARKERS, PICTURE, LOG = "/vdoor/markers", "/vdoor/map/picture", "/rosout"
-TOPICS = (MARKERS, PICTURE, LOG)
+PATHS = {"route": "/vdoor/route/path", "coverage": "/vdoor/coverage/path"}
+SWEPT = "/vdoor/coverage/percent_of_time"
+TOPICS = (MARKERS, PICTURE, *PATHS.values(), SWEPT, LOG)
 INFO = 20
 CUBE_LIST, LINE_LIST, TEXT, DELETE_ALL = 6, 5, 9, 3
 PICTURE_TO_PX = 4096
@@ -42,6 +45,21 @@ def for_viewers(
         yield MARKERS, "visualization_msgs/msg/MarkerArray", ros.pack(_markers(record, time_ns))
     if record.topic == "map" and cells is not None:
         yield PICTURE, "sensor_msgs/msg/CompressedImage", ros.pack(_picture(record, time_ns, cells=cells))
+    if record.topic in PATHS:
+        yield PATHS[record.topic], "nav_msgs/msg/Path", ros.pack(ros.path(*_path(record), time_ns=time_ns))
+    if record.topic == "coverage":
+        yield SWEPT, "nav_msgs/msg/OccupancyGrid", ros.pack(_swept(record, time_ns))
+
+
+def _path(record: Any) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Points and headings of a route or of a covering path."""
+    return record.point_m, record.yaw_rad
+
+
+def _swept(record: Any, time_ns: int) -> Any:
+    """When each cell is swept, in per cent of the path's time; -1 for cells that are not."""
+    percent = np.rint(100 * record.at_s / max(record.at_s[-1], 1e-9))
+    return occupancy_grid(np.where(record.swept > 0, percent[record.swept], -1).astype(np.int8), record.frame, time_ns)
 
 
 def _log(record: Record, time_ns: int) -> Any:

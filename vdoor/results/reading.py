@@ -16,9 +16,10 @@ from numpy.typing import NDArray
 from vdoor.api import in_own_frame
 from vdoor.errors import RecordingError, VdoorError
 from vdoor.evaluate.label_files import read_image, read_labels, read_table
+from vdoor.formats import read_annotations
 from vdoor.formats.source import checked_resolution_m, shown
 from vdoor.frame import Frame
-from vdoor.grid import FREE, OCCUPIED, UNKNOWN, OccupancyGrid
+from vdoor.grid import FREE, OCCUPIED, UNKNOWN, Annotations, Line, OccupancyGrid, Segment
 from vdoor.history.provenance import Provenance, facts_of
 from vdoor.method.final_doors import Doors
 from vdoor.method.final_map import Features, map_of, ranked
@@ -42,6 +43,8 @@ class Finished:
     """The provenance of the run, if requested."""
     settings: Mapping[str, Any] = field(default_factory=dict)
     """The settings of the run, as nested tables."""
+    annotations: Annotations | None = None
+    """What the map's file holds besides the cells, without the segments' labels."""
 
 
 def read_finished(path: str | Path, *, provenance: bool = False) -> Finished:
@@ -60,15 +63,20 @@ def files_of(path: Path) -> list[Path]:
 
 def read_last(path: Path, *, provenance: bool = False) -> Finished:
     """The result at the end of a recording; raises `RecordingError` if the run is not finished."""
-    topic = "nothing"
+    topic, found = "nothing", None
     recording = read_recording(path, types=RECORDS)
     origin = Provenance.of(recording.info) if provenance else None
     for step, record in recording:
         topic = record.topic
         if isinstance(record, TopologicalMap):
-            return Finished(in_own_frame(record, recording.info.source), origin, recording.info.settings)
-        if origin:
+            source, settings = recording.info.source, recording.info.settings
+            found = Finished(in_own_frame(record, source), origin, settings, read_annotations(source))
+        elif origin:
             origin.run.write(step, record)
+        if found and not origin:
+            break
+    if found:
+        return found
     raise RecordingError(f"recording: wanted a finished run, found one that ends with {topic}: {path}")
 
 
@@ -95,10 +103,27 @@ def read_result(folder: Path, *, provenance: bool = False) -> Finished:
         topology = _assembled(labels, _frame(document, labels.shape), doors, features, names)
         _refuse_parts(topology)
         annotations = document.get("annotations")
-        origin_cm = _point(annotations["own_origin_cm"]) if annotations else None
+        noted = _annotations(annotations) if annotations else None
         origin = _provenance(folder, document, topology.frame) if provenance else None
-        topology = dataclasses.replace(topology, own_origin_cm=origin_cm)
-        return Finished(topology, origin, dict(document["settings"]))
+        topology = dataclasses.replace(topology, own_origin_cm=noted.own_origin_cm if noted else None)
+        return Finished(topology, origin, dict(document["settings"]), noted)
+
+
+def _annotations(table: Mapping[str, Any]) -> Annotations:
+    """The annotations in map.json; raises `VdoorError` for invalid points."""
+    return Annotations(
+        own_origin_cm=_point(table["own_origin_cm"]),
+        robot_m=_point(table["robot_m"]) if table.get("robot_m") else None,
+        charger_m=_point(table["charger_m"]) if table.get("charger_m") else None,
+        virtual_walls_m=_lines(table.get("virtual_walls_m", ())),
+        no_go_areas_m=_lines(table.get("no_go_areas_m", ())),
+        no_mop_areas_m=_lines(table.get("no_mop_areas_m", ())),
+        segments=tuple(Segment(**segment) for segment in table.get("segments", ())),
+    )
+
+
+def _lines(lines: Sequence[Sequence[Sequence[object]]]) -> tuple[Line, ...]:
+    return tuple(tuple(_point(point) for point in line) for line in lines)
 
 
 def _provenance(folder: Path, document: Mapping[str, Any], frame: Frame) -> Provenance:

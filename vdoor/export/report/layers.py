@@ -8,6 +8,8 @@ from typing import Any
 import numpy as np
 
 from vdoor.errors import RecordingError
+from vdoor.explain import coverage
+from vdoor.explain.routes import described, obstacle_text
 from vdoor.explain.stages import view_of
 from vdoor.export.report.sheet import Layer, Sheet, colour_text, polygon, polyline, room_codes
 from vdoor.frame import Frame
@@ -20,6 +22,9 @@ from vdoor.method.doors import PROPOSED, VERDICTS, VirtualDoors
 from vdoor.method.initial_map import InitialMap
 from vdoor.method.search.generation import Generation
 from vdoor.method.simplify import REASONS, SimplifiedGrid
+from vdoor.navigate.cover_floor import Coverage
+from vdoor.navigate.coverage.path import KINDS as PURPOSES
+from vdoor.navigate.find_route import Route
 from vdoor.record import RASTERS, Record, specs, tables, texts_of
 from vdoor.topology import KINDS
 from vdoor.viz.rerun import style
@@ -158,6 +163,33 @@ def draw_search(sheet: Sheet, initial: InitialMap, provenance: Provenance) -> La
     return layer
 
 
+def draw_route(sheet: Sheet, route: Route) -> Drawn:
+    """The route, its stops, and what is in the way."""
+    layer = Layer("route", view_of(Route).name, on=True)
+    if route.found:
+        path = polyline(sheet.world_points(route.point_m))
+        layer.add_lines([path], colour_text(style.ROUTE), "route", tips=[described(route)], wide_px=3)
+    stops = route.stop_m[np.isfinite(route.stop_m).all(axis=1)]
+    layer.add_dots(sheet.world_points(stops), colour_text(style.STOP), "stops", wide_px=8)
+    tips = [obstacle_text(route, row) for row in range(len(route.obstacle))]
+    places = sheet.world_points(route.obstacle_m)
+    layer.add_dots(places, colour_text(style.IN_THE_WAY), "in the way", tips=tips, wide_px=10)
+    layer.note = described(route)
+    yield layer
+
+
+def draw_coverage(sheet: Sheet, found: Coverage) -> Drawn:
+    """The path by what it is for."""
+    layer = Layer("coverage", view_of(Coverage).name, on=True)
+    cell = found.frame.cell_from_world(found.point_m)
+    for code, purpose in enumerate(PURPOSES):
+        own = np.flatnonzero(found.purpose[1:] == code)
+        lines = sheet.segments(cell[own], cell[own + 1], found.frame)
+        layer.add_lines(["".join(lines)] if lines else [], colour_text(style.OF_PURPOSE[purpose]), purpose)
+    layer.note = coverage.described(found)
+    yield layer
+
+
 def draw_any(sheet: Sheet, record: Record) -> Drawn:
     """A record without a function of its own: its rasters as pictures, table rows with cells as dots."""
     frame = getattr(record, "frame", None)
@@ -211,4 +243,6 @@ DRAW: Mapping[type[Record], Callable[[Sheet, Any], Drawn]] = {
     Corners: draw_bends,
     VirtualDoors: draw_doors,
     InitialMap: draw_initial,
+    Route: draw_route,
+    Coverage: draw_coverage,
 }

@@ -22,6 +22,7 @@ the search, from generation to generation. Other timelines, selected at the bott
   The curvature plot runs along this timeline.
 - `corner`: the rows of the table of corners.
 - `generation`: the search; red lines are the doors kept by the best string.
+- `drive`: the robot on its way, by centimetres.
 
 | tab | content |
 |---|---|
@@ -193,6 +194,18 @@ def rooms() -> rrb.Container:
     )
 
 
+def route() -> rrb.Container:
+    """Tab with the route over the rooms."""
+    seen = flat("Route", "input/map", "rooms/labels", "rooms/doors", "route/**", origin="/")
+    return rrb.Horizontal(seen, name="Route")
+
+
+def coverage() -> rrb.Container:
+    """Tab with the path that covers the floor, and what it sweeps."""
+    seen = flat("Coverage", "input/map", "rooms/doors", "coverage/**", origin="/")
+    return rrb.Horizontal(seen, name="Coverage")
+
+
 def final_map() -> rrb.Spatial2DView:
     """View of rooms, doors and graph over the input."""
     return rrb.Spatial2DView(name="Rooms and doors", origin="/", contents=["+ /input/map", "+ /rooms/**"])
@@ -227,5 +240,7 @@ VIEWS: dict[str, Callable[[], rrb.Container]] = {
     "Scores": scores,
     "Initial map": initial_map,
     "Rooms": rooms,
+    "Route": route,
+    "Coverage": coverage,
 }
 """Tabs that do not depend on the settings."""

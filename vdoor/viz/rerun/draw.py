@@ -20,13 +20,17 @@ from vdoor.method.scoring.score import DoorScores
 from vdoor.method.search.certificate import Certificate
 from vdoor.method.search.generation import Generation
 from vdoor.method.simplify import REASONS, SimplifiedGrid
+from vdoor.navigate.cover_floor import Coverage
+from vdoor.navigate.find_route import Route
 from vdoor.record import RASTERS, Record, specs, tables
 from vdoor.topology import TopologicalMap
 from vdoor.viz.rerun import style
 from vdoor.viz.rerun.baselines import draw_critical_lines, draw_eroded, draw_grown, draw_skeleton
+from vdoor.viz.rerun.coverage import draw_coverage
 from vdoor.viz.rerun.curve import draw_curve, draw_threshold
 from vdoor.viz.rerun.graphs import draw_edits, draw_generation, draw_initial, draw_map
 from vdoor.viz.rerun.restrictions import restrictions
+from vdoor.viz.rerun.routes import draw_route
 from vdoor.viz.rerun.scene import Scene, classes, pixels, strips, table
 from vdoor.viz.rerun.scores import draw_certificate, draw_scores
 
@@ -220,5 +224,7 @@ DRAW: dict[type[Record], Callable[[Scene, Any], None]] = {
     Generation: draw_generation,
     Certificate: draw_certificate,
     Edits: draw_edits,
+    Route: draw_route,
+    Coverage: draw_coverage,
     TopologicalMap: draw_map,
 }

@@ -13,7 +13,7 @@ from vdoor.record import Record, Spec, specs, tables
 
 LARGEST_SIDE_PX = 16_384
 """Maximum size of a texture; larger rasters are reduced."""
-SCRUBBED = ("sample", "corner", "generation")
+SCRUBBED = ("sample", "corner", "generation", "drive")
 """Timelines besides `step` and `stage`.
 
 Data that does not change along one of them is logged at its 0, so that it is visible there as well.

@@ -58,6 +58,13 @@ SURE_LOG_ODDS = 4.0
 """Log-odds at which a door has the full colour of sure doors; at minus this, that of doubtful doors."""
 CONFLICTS: Colour = (200, 60, 160)
 EDIT: Colour = (150, 40, 190)
+
+ROUTE: Colour = (30, 90, 220)
+STOP: Colour = (20, 40, 120)
+OF_PURPOSE: dict[str, Colour] = {"way": (214, 50, 60), "wall": (150, 40, 190), "lane": (30, 90, 220)}
+"""Colours of a covering path, by what the robot drives for."""
+ROBOT: Glass = (30, 90, 220, 150)
+IN_THE_WAY: Colour = (214, 50, 60)
 NODE: Colour = (236, 196, 30)
 EDGE_MIDDLE: Colour = (214, 50, 60)
 LINK: Colour = (200, 80, 80)

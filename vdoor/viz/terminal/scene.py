@@ -147,6 +147,23 @@ def _drawn_map(run: History) -> Canvas:
     return canvas.write(found.centre, map(str, found.room_ids))
 
 
+def _drawn_route(run: History, canvas: Canvas) -> Canvas:
+    """The path over the rooms, and what is in the way."""
+    del canvas
+    route = run.route
+    cells = [route.frame.cell_from_world(points_m) for points_m in (route.point_m, route.obstacle_m)]
+    point, in_the_way = (cell[np.abs(cell).max(axis=1, initial=0) < FAR] for cell in cells)  # false for nan
+    ground = _drawn_map(run).line("forward", point[:-1], point[1:], ends=True)
+    return ground.paint("selected", in_the_way)
+
+
+def _drawn_coverage(run: History, canvas: Canvas) -> Canvas:
+    """The path over the rooms."""
+    del canvas
+    point = run.coverage.frame.cell_from_world(run.coverage.point_m)
+    return _drawn_map(run).line("forward", point[:-1], point[1:])
+
+
 DRAWN: dict[str, Callable[[History, Canvas], Canvas]] = {
     "simplified": _drawn_simplified,
     "path": lambda run, canvas: canvas.paint("path", run.path.free_cell),
@@ -161,6 +178,8 @@ DRAWN: dict[str, Callable[[History, Canvas], Canvas]] = {
     "grown": lambda run, canvas: canvas.tint(run.grown.room, run.grown.room > 0),
     "initial_map": _drawn_initial,
     "edits": _drawn_edits,
+    "route": _drawn_route,
+    "coverage": _drawn_coverage,
 }
 
 

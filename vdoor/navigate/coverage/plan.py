@@ -1,0 +1,149 @@
+"""From a space and rooms to a path that covers them: one visit to each part of a room, in turn."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from vdoor.navigate.coverage.floor import Part, floor_of, nearest_on, room_parts
+from vdoor.navigate.coverage.net import Net
+from vdoor.navigate.coverage.path import Path
+from vdoor.navigate.coverage.pieces import Piece, lanes, wall_passes
+from vdoor.navigate.coverage.polish import Polish
+from vdoor.navigate.coverage.sweep import Tool
+from vdoor.navigate.coverage.tour import tour_of
+from vdoor.navigate.coverage.visits import Parts, Round, Visit
+from vdoor.navigate.space import Space
+
+Mask = NDArray[np.bool_]
+Ints = NDArray[np.int32]
+Floats = NDArray[np.float64]
+
+STEPS = (1 / 8, 1 / 4, 1 / 2, 1)
+"""Polishing begins with changes that cost little: at these shares of the trade, one after the other."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Task:
+    """What is to be swept, from where, and what it may cost."""
+
+    space: Space
+    labels: Ints
+    """The units that are visited one after the other, rooms as a rule: numbers of cells (h, w), 0 for none."""
+    rooms: Sequence[int]
+    """The units to be swept, in order if `ordered`."""
+    ordered: bool
+    start: Floats
+    """Row, col (2,) of an allowed cell."""
+    end: Floats | None
+    """Row, col (2,) of an allowed cell, None if the path may end anywhere."""
+    reach: float
+    """Half of the tool's width, in cells."""
+    trade: float
+    """See `Polish`, as the next two."""
+    bend: float
+    leave: float
+
+
+@dataclass(frozen=True, eq=False)
+class Covered:
+    """A path that covers rooms."""
+
+    path: Path
+    room: Sequence[int]
+    """The room of each visit, in order."""
+    wanted: Mask
+    """The cells that the tool could sweep in the rooms (h, w)."""
+    tool: Tool
+
+
+def cover(task: Task) -> Covered:
+    """A path that covers what can be reached from its start."""
+    space = task.space
+    reached = space.parts == space.parts[tuple(task.start.astype(np.intp))]
+    tool = Tool(task.reach, space.blocked, task.reach > space.radius_m / space.frame.resolution_m)
+    wanted = tool.reachable(reached) & np.isin(task.labels, task.rooms)
+    site = Site(floor_of(space, reached), tool, wanted, task.labels)
+    parts = room_parts(site.floor, task.labels)
+    chosen = [number for room in task.rooms for number, part in enumerate(parts) if part.room == room]
+    ends = np.stack([nearest_on(site.floor, at) for at in (task.start, task.start if task.end is None else task.end)])
+    ways = Parts.of(site.floor, [part.floor for part in parts], ends)
+    tour = ways.round(chosen, ends=task.end is not None, ordered=task.ordered)
+    path = _driven(site, parts, tour)
+    for share in STEPS:
+        trade = share * task.trade
+        polish = Polish(floor=site.floor, tool=tool, wanted=wanted, trade=trade, bend=task.bend, leave=task.leave)
+        path = polish(path)
+    return Covered(path, [parts[visit.part].room for visit in tour.visits], wanted, tool)
+
+
+@dataclass(frozen=True, eq=False)
+class Site:
+    """A floor, a tool, and what is to be swept."""
+
+    floor: shapely.MultiPolygon
+    tool: Tool
+    wanted: Mask
+    labels: Ints
+
+    @cached_property
+    def boundary(self) -> shapely.Geometry:
+        """The lines along walls and islands."""
+        return self.floor.boundary
+
+    def pieces(self, part: Part) -> list[Piece]:
+        """Passes along the walls of a part of a room, and lanes over what these leave uncovered."""
+        width = 2 * self.tool.reach
+        passes = wall_passes(part.floor, self.boundary, width)
+        swept = np.zeros(self.wanted.size, np.bool_)
+        for piece in passes:
+            swept[self.tool.swept(piece.point[:-1], piece.point[1:]).cell] = True
+        box = self._box(part)
+        uncovered = self.wanted[box] & (self.labels[box] == part.room) & ~swept.reshape(self.wanted.shape)[box]
+        corner = np.array([side.start for side in box], np.float64)
+        local = shapely.transform(part.floor, lambda at: at - corner)
+        return passes + [Piece(piece.kind, piece.point + corner) for piece in lanes(uncovered, local, width)]
+
+    def _box(self, part: Part) -> tuple[slice, slice]:
+        """The cells around a part that the tool can sweep from it."""
+        low_row, low_col, high_row, high_col = part.floor.bounds
+        more = self.tool.reach + 1
+        height, width = self.wanted.shape
+        rows = slice(max(int(low_row - more), 0), min(int(high_row + more) + 1, height))
+        return rows, slice(max(int(low_col - more), 0), min(int(high_col + more) + 1, width))
+
+
+def _driven(site: Site, parts: Sequence[Part], tour: Round) -> Path:
+    """The path over all visits, not yet polished."""
+    stretches = []
+    for number, visit in enumerate(tour.visits):
+        stretches.append(Path.along(visit.way, "way", number))
+        part = parts[visit.part]
+        stretches += _visited(site.pieces(part), part, visit, number)
+    if len(tour.home):
+        stretches.append(Path.along(tour.home, "way", len(tour.visits) - 1))
+    return Path.joined(stretches)
+
+
+def _visited(pieces: Sequence[Piece], part: Part, visit: Visit, number: int) -> list[Path]:
+    """The stretches of a path that drives all pieces of a part."""
+    count = 2 * len(pieces)
+    leave = [] if visit.leave is None else [visit.leave[None]]
+    ends = np.concatenate([piece.point[[0, -1]] for piece in pieces] + [visit.way[-1:], *leave])
+    piece = np.arange(count).reshape(-1, 2)
+    straight = np.array([own.kind == "lane" for own in pieces], np.bool_)
+    net = Net.over(part.floor, ends, piece[straight])
+    near = piece[np.isfinite(net.distance[count, piece[:, 0]])]
+    tour = tour_of(net.distance, near, count, count + 1 if leave else None)
+    stretches = []
+    for here, enter in zip(tour.leave[:-1].tolist(), tour.enter[1:].tolist(), strict=True):
+        stretches.append(Path.along(net.way(here, enter), "way", number))
+        if enter < count:
+            own = pieces[enter // 2]
+            stretches.append(Path.along(own.point if enter % 2 == 0 else own.point[::-1], own.kind, number))
+    return stretches

@@ -1,0 +1,59 @@
+"""Drawings of coverage: the path by what it is for, and the floor that is swept as the robot drives."""
+
+from __future__ import annotations
+
+import colorsys
+
+import numpy as np
+import rerun as rr
+
+from vdoor.explain.coverage import described
+from vdoor.navigate.cover_floor import Coverage
+from vdoor.navigate.coverage.path import KINDS
+from vdoor.viz.rerun import style
+from vdoor.viz.rerun.routes import CM_PER_M, DRIVE, draw_driving
+from vdoor.viz.rerun.scene import Scene, classes, pixels
+
+HUES = 200
+"""Number of colours from the first swept cells to the last."""
+FRAMES, MOST_CELLS = 60, 60_000_000
+"""Number of pictures of the floor along the way, and largest number of their cells."""
+
+
+def draw_coverage(scene: Scene, coverage: Coverage) -> None:
+    """Draw the path, the robot on it, and the floor in colours from the first swept cells to the last."""
+    frame = coverage.frame
+    size = max(frame.height, frame.width) / 400
+    cell = frame.cell_from_world(coverage.point_m)
+    lines = pixels(np.stack([cell[:-1], cell[1:]], axis=1).reshape(-1, 2)).reshape(-1, 2, 2)
+    for number, kind in enumerate(KINDS):
+        own = lines[coverage.purpose[1:] == number]
+        colour = style.OF_PURPOSE[kind]
+        scene.log(f"coverage/path/{kind}", rr.LineStrips2D(own, colors=colour, radii=size / 4, draw_order=50.0))
+    _draw_floor(scene, coverage)
+    draw_driving(scene, "coverage", frame, coverage.point_m, radius_m=coverage.radius_m)
+    scene.log_text(described(coverage))
+
+
+def _draw_floor(scene: Scene, coverage: Coverage) -> None:
+    """Colour the swept cells by when they are swept, in pictures along the timeline of the robot."""
+    total_m = coverage.length_m
+    when_m = coverage.along_m[coverage.swept]
+    shade = np.where(coverage.swept > 0, 1 + (when_m / max(total_m, 1e-9) * (HUES - 1)).astype(np.int64), 0)
+    scene.keep("coverage/floor", classes(_shades()))
+    frames = min(FRAMES, max(MOST_CELLS // coverage.swept.size, 1))
+    for at_m in np.linspace(0, total_m, frames + 1):
+        scene.at(**{DRIVE: round(at_m * CM_PER_M)})
+        scene.raster("coverage/floor", np.where(when_m <= at_m, shade, 0).astype(np.uint8), order=1.0, opacity=0.6)
+
+
+def _shades() -> dict[int, tuple[str, tuple[int, int, int, int]]]:
+    """Colours from blue over green to red, and none for cells that are not swept yet."""
+    found = {0: ("not swept", style.CLEAR)}
+    for number in range(HUES):
+        red, green, blue = colorsys.hsv_to_rgb(0.66 * (1 - number / (HUES - 1)), 0.6, 0.95)
+        found[number + 1] = (
+            f"{number / (HUES - 1):.0%}",
+            (round(red * 255), round(green * 255), round(blue * 255), 255),
+        )
+    return found
