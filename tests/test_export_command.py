@@ -114,7 +114,7 @@ def test_help_lists_every_format() -> None:
         (["--to", "labels"], "image"),
         (["--to", "labels", "-o", "x.bmp"], ".pgm"),
         (["--to", "keepout", "-o", "x.png"], "--room"),
-        (["--to", "keepout", "-o", "x.png", "--room", "6"], "5 rooms, found 6"),
+        (["--to", "keepout", "-o", "x.png", "--room", "6"], "5, found 6"),
         (["--to", "virtual-walls", "--room", "0"], "found 0"),
         (["--to", "svg", "--room", "1"], "keepout or virtual-walls"),
         (["--to", "svg", "-o", "/dev/null", "--force"], "device"),

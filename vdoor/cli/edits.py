@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import re
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import typer
 
+from vdoor.cli.options import naming
 from vdoor.cli.rooms import Result
 from vdoor.cli.run_edits import EDITS
 from vdoor.errors import SettingError, VdoorError, say
@@ -24,9 +24,6 @@ EditsFile = Annotated[
     Path | None,
     typer.Option("--edits", metavar="FILE.toml", help="File that stores the edits. Default: edits.toml in the folder."),
 ]
-
-ID = re.compile("[0-9]{1,9}")
-"""Pattern of room and door ids; no id is longer."""
 
 
 def rename(
@@ -113,33 +110,26 @@ class _Editor:
         beside = result / EDITS if result.is_dir() else result.with_name(f"{result.stem}.{EDITS}")
         self.file = file or beside
 
-    def place(self, text: str, *, what: str = "place", wanted: str = "X,Y") -> Point:
+    def place(self, text: str) -> Point:
         """Point from X,Y."""
         from vdoor.editing.places import parse_place
 
-        return parse_place(text, what=what, wanted=wanted)
+        return parse_place(text)
 
     def room(self, word: str) -> tuple[int, Point]:
         """Id of a room given by id, name or a point in it, and that point or the room's centre."""
-        topology = self.topology
-        if ID.fullmatch(word):
-            room = topology.room(int(word))
-        elif word in topology.name and word:
-            room = topology.room_named(word)
-        else:
-            place = self.place(word, what="room", wanted="a room's id, its name or X,Y")
-            at = topology.room_at(place)
-            if at is None:
-                raise SettingError(f"room: wanted a point in a room, found none at {word}: {self.result}")
-            return at.id, place
-        return room.id, room.centre_m
+        from vdoor.editing.lookup import find_room
+
+        with naming(self.result):
+            room, place_m = find_room(self.topology, word)
+        return room.id, place_m
 
     def door(self, word: str) -> Point:
         """Middle of a door given by its id, or the given point."""
-        if not ID.fullmatch(word):
-            return self.place(word, what="door", wanted="a door's id or X,Y")
-        door = self.topology.door(int(word))
-        return (door.start_m[0] + door.end_m[0]) / 2, (door.start_m[1] + door.end_m[1]) / 2
+        from vdoor.editing.lookup import find_door
+
+        with naming(self.result):
+            return find_door(self.topology, word).place_m
 
     def do(self, edit: Edit) -> Done:
         """The map after an edit, which is stored; `VdoorError` if it cannot be applied to this map."""

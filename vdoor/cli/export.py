@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from vdoor.cli.options import Force
+from vdoor.cli.options import Force, naming
 from vdoor.errors import VdoorError
 
 if TYPE_CHECKING:
@@ -27,9 +27,11 @@ def export(
         typer.Option("--out", "-o", metavar="FILE", help="Output file; text is printed without it."),
     ] = None,
     room: Annotated[
-        list[int] | None,
+        list[str] | None,
         typer.Option(
-            "--room", metavar="ID", help="Room for keepout or virtual-walls to keep the robot in; repeatable."
+            "--room",
+            metavar="ROOM",
+            help="Room for keepout or virtual-walls to keep the robot in, by id, name or X,Y; repeatable.",
         ),
     ] = None,
     force: Force = False,
@@ -53,10 +55,8 @@ def export(
     wanted = Export(writer_named(to), out, tuple(room or ()))
     refuse_files([wanted], force=force, read=files_of(result))
     finished = read_finished(result, provenance=wanted.takes_provenance)
-    try:
+    with naming(result):
         content = wanted.content(finished)
-    except VdoorError as error:
-        raise type(error)(f"{error}: {result}") from error
     if out is None:
         print(content, end="")
         return

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from vdoor.errors import SettingError, say
+from vdoor.errors import SettingError, VdoorError, say
 
 if TYPE_CHECKING:
     from vdoor.editing.places import Point
@@ -71,6 +73,15 @@ def chosen_pipeline(
     for place, tables in layers:
         pipeline = with_settings(pipeline, tables, METHODS, place=place)
     return pipeline
+
+
+@contextmanager
+def naming(path: Path) -> Iterator[None]:
+    """Append a file's path to errors about its content."""
+    try:
+        yield
+    except VdoorError as error:
+        raise type(error)(f"{error}: {path}") from error
 
 
 def robot_place(grid: OccupancyGrid, text: str | None, *, cells: bool) -> tuple[float, float] | None:

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
 
+from vdoor.editing.lookup import find_room
 from vdoor.errors import SettingError
 from vdoor.export.geojson import to_geojson
 from vdoor.export.graphs import to_graphml, to_json
@@ -90,7 +91,8 @@ class Export:
 
     writer: Writer
     path: Path | None = None
-    rooms: tuple[int, ...] = ()
+    rooms: tuple[str, ...] = ()
+    """Rooms by id, name or place."""
 
     def __post_init__(self) -> None:
         """Check what does not need the map."""
@@ -127,7 +129,8 @@ class Export:
 
     def content(self, finished: Finished) -> str | Raster:
         """Text or image; `VdoorError` if the map cannot be written in this format."""
-        choices = {"rooms": self.rooms, "provenance": finished.provenance}
+        rooms = tuple(find_room(finished.topology, word, what="--room").room.id for word in self.rooms)
+        choices = {"rooms": rooms, "provenance": finished.provenance}
         return self.writer.write(finished.topology, **{name: choices[name] for name in self.writer.takes})
 
     def put(self, content: str | Raster) -> list[Path]:
@@ -148,12 +151,12 @@ def refuse_files(exports: Iterable[Export], *, force: bool, read: Iterable[Path]
 
 
 def save(
-    topology: TopologicalMap, path: str | Path, to: str, *, rooms: Sequence[int] = (), force: bool = False
+    topology: TopologicalMap, path: str | Path, to: str, *, rooms: Sequence[int | str] = (), force: bool = False
 ) -> list[Path]:
     """Write one format (a name in `WRITERS`) to a file and return the files written.
 
     Raises `VdoorError` if the map cannot be written in this format, or if a file exists and `force` is not set.
     """
-    export = Export(writer_named(to), Path(path), tuple(rooms))
+    export = Export(writer_named(to), Path(path), tuple(map(str, rooms)))
     refuse_files([export], force=force)
     return export.write(Finished(topology))
