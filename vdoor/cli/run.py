@@ -81,6 +81,7 @@ def run(
     """Find the rooms and doors of a map."""
     from vdoor.api import run_prepared
     from vdoor.emit import Recorder, Stopwatch
+    from vdoor.formats import read_annotations
     from vdoor.outputs import Outputs, Progress, opened
     from vdoor.results import writing
 
@@ -106,7 +107,7 @@ def run(
         if out:
             writing.write_result(out, grid, topology, document)
             leave_edits(out, pipeline.edit.edits, quiet=quiet)
-        refused = exports.write(topology, map_file)
+        refused = exports.write(topology, map_file, read_annotations(grid.source))
         _print_result(topology, document, as_json=as_json)
         if refused:
             raise refused

@@ -67,10 +67,10 @@ WRITERS = (
     Writer("geojson", to_geojson),
     Writer("labels", to_labels, image=True),
     Writer("keepout", to_keepout, takes=("rooms",), image=True, needs_rooms=True),
-    Writer("virtual-walls", to_virtual_walls, takes=("rooms",)),
+    Writer("virtual-walls", to_virtual_walls, takes=("rooms", "annotations")),
     Writer("rmf", to_rmf),
     Writer("svg", to_svg),
-    Writer("report", to_report, takes=("provenance",)),
+    Writer("report", to_report, takes=("provenance", "annotations")),
 )
 
 
@@ -91,8 +91,8 @@ class Export:
 
     writer: Writer
     path: Path | None = None
-    rooms: tuple[str, ...] = ()
-    """Rooms by id, name or place."""
+    rooms: tuple[int | str, ...] = ()
+    """Rooms by id, or as text by id, name or place."""
 
     def __post_init__(self) -> None:
         """Check what does not need the map."""
@@ -129,8 +129,8 @@ class Export:
 
     def content(self, finished: Finished) -> str | Raster:
         """Text or image; `VdoorError` if the map cannot be written in this format."""
-        rooms = tuple(find_room(finished.topology, word, what="--room").room.id for word in self.rooms)
-        choices = {"rooms": rooms, "provenance": finished.provenance}
+        rooms = tuple(_room_id(finished.topology, room) for room in self.rooms)
+        choices = {"rooms": rooms, "provenance": finished.provenance, "annotations": finished.annotations}
         return self.writer.write(finished.topology, **{name: choices[name] for name in self.writer.takes})
 
     def put(self, content: str | Raster) -> list[Path]:
@@ -145,6 +145,10 @@ class Export:
         return self.put(self.content(finished))
 
 
+def _room_id(topology: TopologicalMap, room: int | str) -> int:
+    return room if isinstance(room, int) else find_room(topology, room, what="--room").room.id
+
+
 def refuse_files(exports: Iterable[Export], *, force: bool, read: Iterable[Path] = ()) -> None:
     """Raise `VdoorError` if an export would overwrite a file without `force`, or, even with it, one of `read`."""
     refuse_existing((path for export in exports for path in export.files), force=force, reads=read)
@@ -157,6 +161,6 @@ def save(
 
     Raises `VdoorError` if the map cannot be written in this format, or if a file exists and `force` is not set.
     """
-    export = Export(writer_named(to), Path(path), tuple(map(str, rooms)))
+    export = Export(writer_named(to), Path(path), tuple(rooms))
     refuse_files([export], force=force)
     return export.write(Finished(topology))

@@ -13,18 +13,19 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vdoor.api import in_own_frame
 from vdoor.errors import RecordingError, VdoorError
 from vdoor.evaluate.label_files import read_image, read_labels, read_table
+from vdoor.formats import read_annotations
 from vdoor.formats.source import checked_resolution_m, shown
 from vdoor.frame import Frame
-from vdoor.grid import FREE, OCCUPIED, UNKNOWN, OccupancyGrid
+from vdoor.grid import FREE, OCCUPIED, UNKNOWN, Annotations, OccupancyGrid
 from vdoor.history.provenance import Provenance, facts_of
 from vdoor.method.final_doors import Doors
 from vdoor.method.final_map import Features, map_of, ranked
 from vdoor.pipeline import RECORDS
 from vdoor.record import TEXT
 from vdoor.recording.mcap import read_recording
+from vdoor.results.annotations import read_table as annotations_in
 from vdoor.results.writing import GREY_FREE, GREY_OCCUPIED, NAMES, SCHEMA
 from vdoor.topology import KINDS, Door, TopologicalMap, signed_area_m2
 
@@ -42,6 +43,8 @@ class Finished:
     """The provenance of the run, if requested."""
     settings: Mapping[str, Any] = field(default_factory=dict)
     """The settings of the run, as nested tables."""
+    annotations: Annotations | None = None
+    """What the robot's map file says besides the cells; None for other maps."""
 
 
 def read_finished(path: str | Path, *, provenance: bool = False) -> Finished:
@@ -66,7 +69,10 @@ def read_last(path: Path, *, provenance: bool = False) -> Finished:
     for step, record in recording:
         topic = record.topic
         if isinstance(record, TopologicalMap):
-            return Finished(in_own_frame(record, recording.info.source), origin, recording.info.settings)
+            annotations = read_annotations(recording.info.source)
+            if annotations:
+                record = dataclasses.replace(record, own_origin_cm=annotations.own_origin_cm)  # noqa: PLW2901
+            return Finished(record, origin, recording.info.settings, annotations)
         if origin:
             origin.run.write(step, record)
     raise RecordingError(f"recording: wanted a finished run, found one that ends with {topic}: {path}")
@@ -94,11 +100,12 @@ def read_result(folder: Path, *, provenance: bool = False) -> Finished:
         names = {table["id"]: _text(table.get("name", "")) for table in document["rooms"]}
         topology = _assembled(labels, _frame(document, labels.shape), doors, features, names)
         _refuse_parts(topology)
-        annotations = document.get("annotations")
-        origin_cm = _point(annotations["own_origin_cm"]) if annotations else None
+        table = document.get("annotations")
+        annotations = annotations_in(table, (labels.shape[0], labels.shape[1])) if table else None
         origin = _provenance(folder, document, topology.frame) if provenance else None
-        topology = dataclasses.replace(topology, own_origin_cm=origin_cm)
-        return Finished(topology, origin, dict(document["settings"]))
+        if annotations:
+            topology = dataclasses.replace(topology, own_origin_cm=annotations.own_origin_cm)
+        return Finished(topology, origin, dict(document["settings"]), annotations)
 
 
 def _provenance(folder: Path, document: Mapping[str, Any], frame: Frame) -> Provenance:

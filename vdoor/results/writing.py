@@ -19,7 +19,8 @@ from vdoor.emit import RunInfo
 from vdoor.errors import VdoorError
 from vdoor.files import make_folder, write_whole
 from vdoor.formats import read_annotations
-from vdoor.grid import Annotations, OccupancyGrid
+from vdoor.grid import OccupancyGrid
+from vdoor.results.annotations import table_of
 from vdoor.topology import Door, Room, TopologicalMap
 
 SCHEMA = 1
@@ -80,7 +81,7 @@ def document_of(topology: TopologicalMap, info: RunInfo, timings_s: Mapping[str,
             "files": [{"name": name, "sha256": hashlib.sha256(data).hexdigest()} for name, data in info.source.files],
             "options": dict(info.source.options),
         },
-        "annotations": annotations and _annotations(annotations),
+        "annotations": annotations and table_of(annotations),
         "preset": info.preset,
         "settings": dict(info.settings),
         "seed": info.seed,
@@ -99,13 +100,6 @@ def _graph(topology: TopologicalMap) -> dict[str, Any]:
             "edges": [{"door": door.id, "rooms": list(door.rooms)} for door in doors],
         },
     }
-
-
-def _annotations(annotations: Annotations) -> dict[str, Any]:
-    """The annotations as a table, without the label image, which is in the map file."""
-    fields = dataclasses.asdict(annotations)
-    del fields["labels"]
-    return fields
 
 
 def _room(room: Room) -> dict[str, Any]:
