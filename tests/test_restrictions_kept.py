@@ -62,7 +62,7 @@ def test_the_report_of_a_folder_shows_them_as_that_of_a_recording_does(runs: Pat
     for source in ("r", "r.mcap"):
         assert command("export", runs / source, "--to", "report", "-o", runs / f"{source}.html").code == 0
         page = (runs / f"{source}.html").read_text()
-        data = json.loads(page.split('type="application/json">')[1].split("</script>")[0])
+        data = json.loads(page.split('type="application/json" id="data">')[1].split("</script>")[0])
         layers[source] = [layer for layer in data["layers"] if layer["id"] == "restrictions"]
     assert layers["r"] == layers["r.mcap"]
     assert [len(layer["shapes"]) for layer in layers["r"]] == [3]

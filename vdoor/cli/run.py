@@ -30,7 +30,7 @@ from vdoor.cli.options import (
 )
 from vdoor.cli.run_edits import EditNotes, leave_edits, matched, with_edits
 from vdoor.config import DEFAULT_PRESET
-from vdoor.errors import say
+from vdoor.errors import SettingError, say
 
 if TYPE_CHECKING:
     from vdoor.emit import RunInfo
@@ -41,6 +41,7 @@ if TYPE_CHECKING:
 
 def run(
     map_file: MapFile,
+    more: Annotated[list[Path] | None, typer.Argument(hidden=True)] = None,
     *,
     save: Annotated[Path | None, typer.Option(metavar="FILE.rrd", help="Rerun recording, for viewing.")] = None,
     mcap: Annotated[Path | None, typer.Option(metavar="FILE.mcap", help="MCAP recording, with exact values.")] = None,
@@ -85,6 +86,8 @@ def run(
     from vdoor.outputs import Outputs, Progress, opened
     from vdoor.results import writing
 
+    if more:
+        raise SettingError(f"run: wanted one map, found {len(more) + 1}; `vdoor batch` runs many: {more[0]}")
     outputs = Outputs(save=save, mcap=mcap, connect=connect, serve=serve, spawn=spawn)
     exports = RunExports(export or ())
     written = [*outputs.files, *([out / name for name in writing.NAMES] if out else []), *exports.files]

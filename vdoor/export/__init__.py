@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from vdoor.editing.lookup import find_room
-from vdoor.errors import SettingError
+from vdoor.errors import SettingError, no_such
 from vdoor.export.geojson import to_geojson
 from vdoor.export.graphs import to_graphml, to_json
 from vdoor.export.nav2_route import to_nav2_route
@@ -79,7 +79,7 @@ def writer_named(name: str) -> Writer:
     for writer in WRITERS:
         if writer.name == name:
             return writer
-    raise SettingError(f"format: wanted one of {', '.join(writer.name for writer in WRITERS)}, found {name!r}")
+    raise SettingError(f"format: {no_such('format', name, (writer.name for writer in WRITERS))}")
 
 
 @dataclass(frozen=True)
