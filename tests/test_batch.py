@@ -47,18 +47,8 @@ def call(*words: str | Path, code: int = 0) -> subprocess.CompletedProcess[str]:
 def test_a_batch_is_its_single_runs_and_a_bad_map_stops_nothing(tmp_path: Path) -> None:
     paths = maps(tmp_path / "maps", 3)
     (tmp_path / "maps" / "bad.npy").write_bytes(b"no map")
-    words = (
-        "batch",
-        tmp_path / "maps",
-        "--out",
-        tmp_path / "all",
-        "-j",
-        "2",
-        "--preset",
-        "paper",
-        "--resolution",
-        "0.2",
-    )
+    options = ("--preset", "paper", "--resolution", "0.2")
+    words = ("batch", tmp_path / "maps", "--out", tmp_path / "all", "-j", "2", *options)
     told = call(*words, code=1)
     assert len(told.stdout.splitlines()) == 4
     assert "1 of 4 maps failed" in told.stderr

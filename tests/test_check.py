@@ -218,7 +218,7 @@ def test_info_says_what_a_run_was(tmp_path: Path, vdoor: Command) -> None:
 def test_what_is_no_recording_is_named(tmp_path: Path, vdoor: Command) -> None:
     text = tmp_path / "text.mcap"
     text.write_text("Not a recording.")
-    assert vdoor("info", text) == (2, "", f"vdoor: recording: wanted an MCAP file, found none: {text}\n")
+    assert vdoor("info", text) == (2, "", f"vdoor: recording: wanted an MCAP file, found another file: {text}\n")
     assert vdoor("check", text).code == 1
     absent = tmp_path / "absent.mcap"
     for words in (("check", absent), ("info", absent), ("recover", absent, "-o", tmp_path / "x.mcap")):

@@ -231,5 +231,5 @@ def test_what_changes_in_a_golden_is_printed(two_goldens: Path, vdoor: Command) 
     ]
     assert lines[3] == "    only now"
     assert lines[4].startswith("one-room: replaced, ")
-    assert "wanted an MCAP file, found none" in lines[4]
+    assert "wanted an MCAP file, found another file" in lines[4]
     assert vdoor("verify", two_goldens).code == 0
