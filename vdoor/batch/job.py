@@ -16,8 +16,9 @@ from vdoor.config import DEFAULT_PRESET, settings_of, with_settings
 from vdoor.emit import RunInfo, Stopwatch, silent
 from vdoor.errors import VdoorError
 from vdoor.evaluate.label_files import read_table
-from vdoor.formats import read_map
+from vdoor.formats import read_annotations, read_map
 from vdoor.pipeline import METHODS, preset_named
+from vdoor.results.segments import named_by_robot
 from vdoor.results.writing import document_of, source_table, write_result
 
 SAME = ("vdoor", "source", "preset", "settings", "seed")
@@ -88,7 +89,8 @@ def _done(job: Job) -> Outcome:
     if before is not None:
         raise VdoorError(f"result: made with other settings or another map, --force overwrites it: {job.folder}")
     watch = Stopwatch(silent)
-    topology = run_prepared(grid, pipeline, seed=job.seed, emit=watch)
+    found = run_prepared(grid, pipeline, seed=job.seed, emit=watch)
+    topology = named_by_robot(found, read_annotations(grid.source))
     document = document_of(topology, info, watch.cpu_s)
     write_result(job.folder, grid, topology, document)  # map.json last: without it the job is done again
     return _outcome(job, document, time.perf_counter() - begin)

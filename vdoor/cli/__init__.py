@@ -20,6 +20,7 @@ from vdoor.cli import (
     studies,
     sweeps,
     terminal,
+    valetudo,
     viewing,
 )
 from vdoor.cli.groups import Grouped
@@ -49,6 +50,7 @@ COMMANDS = (
     ("check", recordings.check, "vdoor check out.mcap"),
     ("recover", recordings.recover, "vdoor recover out.mcap.partial -o out.mcap"),
     ("export", export.export, "vdoor export result/ --to nav2-route -o route.geojson"),
+    ("valetudo", valetudo.valetudo, "vdoor valetudo result/ --clean Kitchen --clean 3"),
     ("rooms", rooms.rooms, "vdoor rooms result/"),
     ("room-at", rooms.room_at, "vdoor room-at 3.2,-4.1 out.mcap"),
     ("rename", edits.rename, "vdoor rename result/ 3 Kitchen"),

@@ -10,7 +10,7 @@ GROUPS = {
     "run and look": ("run", "batch", "rooms", "room-at", "show", "view", "shot", "config"),
     "debug": ("why", "step", "replay", "diff", "verify", "info", "check", "recover"),
     "edit": ("rename", "merge", "split", "door"),
-    "export": ("export",),
+    "export": ("export", "valetudo"),
     "measure": ("evaluate", "ablate", "robust", "sweep", "bench", "search-study", "synth", "train"),
     "the paper": ("paper", "golden"),
 }

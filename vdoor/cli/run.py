@@ -85,6 +85,7 @@ def run(
     from vdoor.formats import read_annotations
     from vdoor.outputs import Outputs, Progress, opened
     from vdoor.results import writing
+    from vdoor.results.segments import named_by_robot
 
     if more:
         raise SettingError(f"run: wanted one map, found {len(more) + 1}; `vdoor batch` runs many: {more[0]}")
@@ -106,11 +107,13 @@ def run(
         watch = Stopwatch(Recorder([*recording.sinks, *exports.sinks(info), *notes]))
         topology = run_prepared(grid, pipeline, seed=seed, emit=watch)
         recording.finish_files()
+        annotations = read_annotations(grid.source)
+        topology = named_by_robot(topology, annotations)
         document = writing.document_of(topology, info, watch.cpu_s) | ({"match": found.document()} if found else {})
         if out:
             writing.write_result(out, grid, topology, document)
             leave_edits(out, pipeline.edit.edits, quiet=quiet)
-        refused = exports.write(topology, map_file, read_annotations(grid.source))
+        refused = exports.write(topology, map_file, annotations)
         _print_result(topology, document, as_json=as_json)
         if refused:
             raise refused

@@ -35,13 +35,24 @@ def to_virtual_walls(
 
     Raises `SettingError` for an unknown room.
     """
+    return json.dumps(to_walls(topology, rooms, annotations, own_origin_cm=own_origin_cm), indent=1) + "\n"
+
+
+def to_walls(
+    topology: TopologicalMap,
+    rooms: Sequence[int] = (),
+    annotations: Annotations | None = None,
+    *,
+    own_origin_cm: Point | None = None,
+) -> dict[str, list[dict[str, Any]]]:
+    """The content of `to_virtual_walls`, before it is text."""
     refuse_not_finite(topology)
     check_rooms(topology, rooms)
     origin_cm = own_origin_cm or origin_of(topology)
     closed = [door for door in topology.doors if not rooms or len(set(door.rooms) & set(rooms)) == 1]
     walls = [{"points": _points(topology, door, origin_cm)} for door in closed]
     own = restrictions_of(annotations)
-    return json.dumps({**own, "virtualWalls": [*own["virtualWalls"], *walls]}, indent=1) + "\n"
+    return {**own, "virtualWalls": [*own["virtualWalls"], *walls]}
 
 
 def restrictions_of(annotations: Annotations | None) -> dict[str, list[dict[str, Any]]]:

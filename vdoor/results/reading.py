@@ -26,6 +26,7 @@ from vdoor.pipeline import RECORDS
 from vdoor.record import TEXT
 from vdoor.recording.mcap import read_recording
 from vdoor.results.annotations import read_table as annotations_in
+from vdoor.results.segments import named_by_robot
 from vdoor.results.writing import GREY_FREE, GREY_OCCUPIED, NAMES, SCHEMA
 from vdoor.topology import KINDS, Door, TopologicalMap, signed_area_m2
 
@@ -72,7 +73,7 @@ def read_last(path: Path, *, provenance: bool = False) -> Finished:
             annotations = read_annotations(recording.info.source)
             if annotations:
                 record = dataclasses.replace(record, own_origin_cm=annotations.own_origin_cm)  # noqa: PLW2901
-            return Finished(record, origin, recording.info.settings, annotations)
+            return Finished(named_by_robot(record, annotations), origin, recording.info.settings, annotations)
         if origin:
             origin.run.write(step, record)
     raise RecordingError(f"recording: wanted a finished run, found one that ends with {topic}: {path}")
@@ -105,7 +106,7 @@ def read_result(folder: Path, *, provenance: bool = False) -> Finished:
         origin = _provenance(folder, document, topology.frame) if provenance else None
         if annotations:
             topology = dataclasses.replace(topology, own_origin_cm=annotations.own_origin_cm)
-        return Finished(topology, origin, dict(document["settings"]), annotations)
+        return Finished(named_by_robot(topology, annotations), origin, dict(document["settings"]), annotations)
 
 
 def _provenance(folder: Path, document: Mapping[str, Any], frame: Frame) -> Provenance:
