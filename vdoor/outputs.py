@@ -35,8 +35,8 @@ class Outputs:
     serve: bool = False
     spawn: bool = False
 
-    def __post_init__(self) -> None:
-        """Refuse a file name that says another kind of recording."""
+    def refuse_suffixes(self) -> None:
+        """Raise `VdoorError` for a file name that says another kind of file."""
         for option, path, suffix in (("--save", self.save, ".rrd"), ("--mcap", self.mcap, ".mcap")):
             if path is not None and path.suffix.lower() != suffix:
                 other = "; --mcap writes MCAP" if path.suffix.lower() == ".mcap" else ""

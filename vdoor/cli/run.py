@@ -93,6 +93,7 @@ def run(
     exports = RunExports(export or ())
     written = [*outputs.files, *([out / name for name in writing.NAMES] if out else []), *exports.files]
     _refuse_outputs(written, out, [map_file, *([edits] if edits else [])], force=force)
+    outputs.refuse_suffixes()
     grid = read_grid(map_file, resolution, unknown_value, max_cells, topic=topic, quiet=quiet)
     _refuse_sources(written, map_file, grid)
     pipeline = chosen_pipeline(preset, config, set_, robot=robot_place(grid, robot, cells=cells))

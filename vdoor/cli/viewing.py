@@ -44,6 +44,7 @@ def replay(
     if not (save or connect or serve or spawn):
         raise SettingError("replay: wanted somewhere to draw, one of --save, --connect, --serve, --spawn")
     refuse_existing(outputs.files, force=force, reads=[recording])
+    outputs.refuse_suffixes()
     records = _draw(recording, outputs, pause_s=STEP_S / speed if speed else 0.0)
     print(f"{records} records drawn")
 
