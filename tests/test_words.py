@@ -25,7 +25,7 @@ def command(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str])
 @pytest.mark.parametrize(
     ("words", "says"),
     [
-        (("run", FLAT, "--save", "x.mcap"), "--save: wanted a file name ending in .rrd; --mcap writes MCAP: x.mcap"),
+        (("run", FLAT, "--save", "y.mcap"), "--save: wanted a file name ending in .rrd; --mcap writes MCAP: y.mcap"),
         (
             ("run", FLAT, "--mcap", "x.rrd"),
             "--mcap: wanted a file name ending in .mcap; --save writes Rerun recordings",
