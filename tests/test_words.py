@@ -27,7 +27,7 @@ def command(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str])
     [
         (("run", FLAT, "--save", "y.mcap"), "--save: wanted a file name ending in .rrd; --mcap writes MCAP: y.mcap"),
         (
-            ("run", FLAT, "--mcap", "x.rrd"),
+            ("run", FLAT, "--mcap", "y.rrd"),
             "--mcap: wanted a file name ending in .mcap; --save writes Rerun recordings",
         ),
         (("why", "x.rrd", "--at", "1,1"), "wanted an MCAP file, found a Rerun recording; `vdoor run --mcap` writes"),
