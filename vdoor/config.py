@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import ast
 import dataclasses
-import difflib
 import inspect
 import itertools
 import json
@@ -15,7 +14,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any, TypeVar, get_args, get_type_hints
 
-from vdoor.errors import SettingError
+from vdoor.errors import SettingError, no_such
 
 T = TypeVar("T")
 Choices = Mapping[str, Mapping[str, type]]
@@ -128,9 +127,7 @@ def _kind(default: Any) -> str:
 def _check_name(name: str, known: Iterable[str], place: str, what: str) -> None:
     known = list(known)
     if name not in known:
-        close = difflib.get_close_matches(name, known, n=1)
-        hint = f"did you mean {close[0]!r}?" if close else f"wanted one of {', '.join(known)}"
-        raise SettingError(f"{place}: no {what} {name!r}; {hint}")
+        raise SettingError(f"{place}: {no_such(what, name, known)}")
 
 
 def read_toml(path: Path) -> dict[str, Any]:

@@ -1,7 +1,9 @@
 """Errors that the user can fix, and how they are reported: one line on stderr."""
 
+import difflib
 import re
 import sys
+from collections.abc import Iterable
 
 
 class VdoorError(ValueError):
@@ -22,6 +24,15 @@ class SettingError(VdoorError):
 
 class RecordingError(VdoorError):
     """A recording that is damaged, not vdoor's, or of another schema."""
+
+
+def no_such(what: str, word: str, known: Iterable[str]) -> str:
+    """Text for a word that is none of the known ones: the one that was probably meant, or all of them."""
+    known = list(known)
+    close = difflib.get_close_matches(word.lower(), [name.lower() for name in known], n=1)
+    meant = next((name for name in known if close and name.lower() == close[0]), "")
+    hint = f"did you mean {meant!r}?" if meant else f"wanted one of {', '.join(known)}"
+    return f"no {what} {word!r}; {hint}"
 
 
 def say(text: str) -> None:

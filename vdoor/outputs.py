@@ -35,6 +35,14 @@ class Outputs:
     serve: bool = False
     spawn: bool = False
 
+    def refuse_suffixes(self) -> None:
+        """Raise `VdoorError` for a file name that says another kind of file."""
+        for option, path, suffix in (("--save", self.save, ".rrd"), ("--mcap", self.mcap, ".mcap")):
+            if path is not None and path.suffix.lower() != suffix:
+                other = "; --mcap writes MCAP" if path.suffix.lower() == ".mcap" else ""
+                other = "; --save writes Rerun recordings" if path.suffix.lower() == ".rrd" else other
+                raise VdoorError(f"{option}: wanted a file name ending in {suffix}{other}: {path}")
+
     @property
     def files(self) -> list[Path]:
         """The recording files."""

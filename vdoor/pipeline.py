@@ -17,7 +17,7 @@ from vdoor.baselines import CriticalLines, ErodedSpace, ErodedSpacePipeline, Gro
 from vdoor.config import with_settings
 from vdoor.editing.apply import EditRooms, Edits
 from vdoor.emit import Emit, RunInfo, silent
-from vdoor.errors import SettingError
+from vdoor.errors import SettingError, no_such
 from vdoor.grid import OccupancyGrid
 from vdoor.method.boundary import BoundaryPath, TraceBoundary
 from vdoor.method.corners import Candidates, Corners, FindCandidates, FindCorners
@@ -180,7 +180,7 @@ PRESETS: dict[str, AnyPipeline] = {
 def preset_named(name: str) -> AnyPipeline:
     """The preset with that name; raises SettingError if there is none."""
     if name not in PRESETS:
-        raise SettingError(f"preset {name!r}: wanted one of {', '.join(PRESETS)}")
+        raise SettingError(f"preset: {no_such('preset', name, PRESETS)}")
     return PRESETS[name]
 
 

@@ -73,7 +73,7 @@ class Record:
 
     def __init_subclass__(cls) -> None:
         """Make every subclass a frozen, keyword-only dataclass, compared by identity (see `equal`)."""
-        dataclass(frozen=True, kw_only=True, eq=False)(cls)
+        dataclass(frozen=True, kw_only=True, eq=False, repr=False)(cls)
 
     def __post_init__(self) -> None:
         """Check types and shapes against the specs and freeze the arrays."""
@@ -94,6 +94,10 @@ class Record:
             frozen = value.view()
             frozen.flags.writeable = False
             object.__setattr__(self, name, frozen)
+
+    def __repr__(self) -> str:
+        """One line: the record's name and the sizes of its rasters and tables."""
+        return f"{type(self).__name__}({sizes(self)})"
 
     def _check_texts(self, name: str, texts: tuple[str, ...], wanted: int) -> None:
         """Raise `RecordingError` if the texts are not single lines, or their number is wrong."""

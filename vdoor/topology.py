@@ -115,6 +115,12 @@ class TopologicalMap(Record):
     """The map frame's origin in the robot's own frame, whose y axis points down, in centimetres; None if unknown. Not
     recorded: it comes from the map file."""
 
+    def __repr__(self) -> str:
+        """One line: how many rooms and doors, and how large."""
+        rooms, doors, frame = len(self.area_m2), len(self.kind), self.frame
+        size = f"{frame.width} x {frame.height} cells of {frame.resolution_m:g} m"
+        return f"TopologicalMap({rooms} rooms, {doors} doors, {self.area_m2.sum():.1f} m2, {size})"
+
     @property
     def doors(self) -> list[Door]:
         """All doors, with ids 1, 2, ... in order."""

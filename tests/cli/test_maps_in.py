@@ -116,7 +116,9 @@ def test_what_the_map_says_is_in_the_result(tmp_path: Path) -> None:
     assert found["charger_m"] is None
     assert found["virtual_walls_m"] == [[[0.375, 0.425], [0.375, 0.175]]]
     assert found["own_origin_cm"] == [2990, 2750]
-    assert found["segments"] == [{"label": 1, "id": "97", "name": "Flur "}]
+    assert [{**segment, "runs": 0} for segment in found["segments"]] == [
+        {"label": 1, "id": "97", "name": "Flur ", "runs": 0}
+    ]
     (tmp_path / "map.pgm").write_bytes(b"P5 5 5 255 " + b"\xfe" * 25)
     assert document(tmp_path / "map.pgm", "--resolution", "0.05")["annotations"] is None
 

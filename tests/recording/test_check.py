@@ -214,7 +214,7 @@ def test_info_says_what_a_run_was(tmp_path: Path, command: Command) -> None:
 def test_what_is_no_recording_is_named(tmp_path: Path, command: Command) -> None:
     text = tmp_path / "text.mcap"
     text.write_text("Not a recording.")
-    assert command("info", text) == (2, "", f"vdoor: recording: wanted an MCAP file, found none: {text}\n")
+    assert command("info", text) == (2, "", f"vdoor: recording: wanted an MCAP file, found another file: {text}\n")
     assert command("check", text).code == 1
     absent = tmp_path / "absent.mcap"
     for words in (("check", absent), ("info", absent), ("recover", absent, "-o", tmp_path / "x.mcap")):

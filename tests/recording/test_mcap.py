@@ -202,7 +202,7 @@ def test_what_is_no_recording_is_named(tmp_path: Path) -> None:
     (tmp_path / "empty.mcap").touch()
     assert "cut short" in refused(tmp_path / "empty.mcap")
     (tmp_path / "text.mcap").write_text("Not a recording at all.")
-    assert "wanted an MCAP file, found none" in refused(tmp_path / "text.mcap")
+    assert "wanted an MCAP file, found another file" in refused(tmp_path / "text.mcap")
     foreign = mcap.writer.Writer(str(tmp_path / "foreign.mcap"))
     foreign.start()
     foreign.finish()

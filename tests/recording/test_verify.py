@@ -226,5 +226,5 @@ def test_what_changes_in_a_golden_is_printed(two_goldens: Path, command: Command
     ]
     assert lines[3] == "    only now"
     assert lines[4].startswith("one-room: replaced, ")
-    assert "wanted an MCAP file, found none" in lines[4]
+    assert "wanted an MCAP file, found another file" in lines[4]
     assert command("verify", two_goldens).code == 0

@@ -9,6 +9,7 @@ import typer
 
 from vdoor import __version__
 from vdoor.cli import (
+    batch,
     cover,
     edits,
     evaluate,
@@ -21,20 +22,23 @@ from vdoor.cli import (
     studies,
     sweeps,
     terminal,
+    valetudo,
     viewing,
 )
+from vdoor.cli.groups import Grouped
 from vdoor.errors import VdoorError, say
 
 app = typer.Typer(
+    cls=Grouped,
     help="Rooms and doors from occupancy grid maps, with every stage recorded.",
     no_args_is_help=True,
-    add_completion=False,
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
 )
 
 COMMANDS = (
     ("run", run.run, "vdoor run map.yaml --save out.rrd --mcap out.mcap --out result/"),
+    ("batch", batch.batch, "vdoor batch maps/ more.yaml --out results/ -j 2"),
     ("config", run.config, "vdoor config --preset paper > my.toml; vdoor run map.pgm --config my.toml"),
     ("show", terminal.show, "vdoor show out.mcap --stage doors"),
     ("step", terminal.step, "vdoor step out.mcap"),
@@ -48,6 +52,7 @@ COMMANDS = (
     ("check", recordings.check, "vdoor check out.mcap"),
     ("recover", recordings.recover, "vdoor recover out.mcap.partial -o out.mcap"),
     ("export", export.export, "vdoor export result/ --to nav2-route -o route.geojson"),
+    ("valetudo", valetudo.valetudo, "vdoor valetudo result/ --clean Kitchen --clean 3"),
     ("rooms", rooms.rooms, "vdoor rooms result/"),
     ("room-at", rooms.room_at, "vdoor room-at 3.2,-4.1 out.mcap"),
     ("route", navigate.route, "vdoor route result/ Kitchen 3 --via Hall --export waypoints=path.yaml"),
@@ -102,7 +107,7 @@ def _vdoor(
 def main() -> None:
     """Run the command; errors are one line on stderr and exit code 2."""
     try:
-        app()
+        app(prog_name="vdoor")
     except VdoorError as error:
         say(str(error))
         sys.exit(2)

@@ -9,11 +9,12 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from vdoor.cli.options import Force, naming
-from vdoor.errors import VdoorError
+from vdoor.errors import VdoorError, say
 
 if TYPE_CHECKING:
     from vdoor.emit import RunInfo, Sink
-    from vdoor.export import Export
+    from vdoor.export import Export, Finished
+    from vdoor.grid import Annotations
     from vdoor.history.provenance import Provenance
     from vdoor.topology import TopologicalMap
 
@@ -57,11 +58,23 @@ def export(
     finished = read_finished(result, provenance=wanted.takes_provenance)
     with naming(result):
         content = wanted.content(finished)
+    note_replaced(wanted, finished)
     if out is None:
         print(content, end="")
         return
     for path in wanted.put(content):
         print(path)
+
+
+def note_replaced(wanted: Export, finished: Finished) -> None:
+    """Say on stderr what becomes of the walls and zones that the robot has."""
+    if wanted.writer.name != "virtual-walls":
+        return
+    from vdoor.export.virtual_walls import restrictions_of
+
+    own = sum(map(len, restrictions_of(finished.annotations).values()))
+    kept = f"{own} of its own are in it, as of this map" if finished.annotations else "its own are not known"
+    say(f"note: the robot replaces all its walls and zones by this list; {kept}")
 
 
 class RunExports:
@@ -89,13 +102,13 @@ class RunExports:
         self._provenance = Provenance.of(info)
         return [self._provenance.run]
 
-    def write(self, topology: TopologicalMap, map_file: Path) -> VdoorError | None:
+    def write(self, topology: TopologicalMap, map_file: Path, annotations: Annotations | None) -> VdoorError | None:
         """Write all exports that this map has; the error of the first one that failed, or None."""
         if not self.all:
             return None
         from vdoor.export import Finished
 
-        finished = Finished(topology, self._provenance)
+        finished = Finished(topology, self._provenance, annotations=annotations)
         refused = None
         for item in self.all:
             try:
@@ -104,4 +117,5 @@ class RunExports:
                 refused = refused or type(error)(f"{error}: {map_file}")
             else:
                 item.put(content)
+                note_replaced(item, finished)
         return refused

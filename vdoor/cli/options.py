@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -43,6 +43,7 @@ def read_grid(
 
     from vdoor.formats import read_map, read_piped
 
+    _refuse_folder_of_maps(path)
     with warnings.catch_warnings(record=True) as notes:
         warnings.simplefilter("always")
         if str(path) != PIPE:
@@ -56,6 +57,17 @@ def read_grid(
     return grid
 
 
+def _refuse_folder_of_maps(path: Path) -> None:
+    """Raise `SettingError` for a folder that is no bag, with what to do."""
+    from vdoor.kinds import kind_of
+
+    if not path.is_dir() or any(path.glob("*.mcap")) or any(path.glob("*.db3")) or (path / "metadata.yaml").is_file():
+        return
+    kind = kind_of(path)
+    advice = "give the map that it was made of" if "result" in kind else "`vdoor batch` runs all maps in it"
+    raise SettingError(f"map: wanted a map file or the folder of a ROS 2 bag, found {kind}; {advice}: {path}")
+
+
 def chosen_pipeline(
     preset: str, file: Path | None, assignments: list[str] | None, *, robot: tuple[float, float] | None = None
 ) -> AnyPipeline:
@@ -66,13 +78,29 @@ def chosen_pipeline(
     layers: list[tuple[str, dict[str, Any]]] = []
     if file is not None:
         layers.append((str(file), read_toml(file)))
-    layers.append(("--set", parse_assignments(assignments or ())))
+    layers.append(("--set", parse_assignments(_whole_names(preset_named(preset), assignments or ()))))
     if robot is not None:
         layers.append(("--robot", {"simplify": {"robot_m": list(robot)}}))
     pipeline = preset_named(preset)
     for place, tables in layers:
         pipeline = with_settings(pipeline, tables, METHODS, place=place)
     return pipeline
+
+
+def _whole_names(pipeline: AnyPipeline, assignments: Sequence[str]) -> Sequence[str]:
+    """The assignments as they are; `SettingError` for one without a stage, which names the settings it may mean."""
+    from vdoor.config import settings_of
+    from vdoor.pipeline import METHODS
+
+    for text in assignments:
+        word, equals, value = text.partition("=")
+        if not equals or "." in word:
+            continue
+        settings = settings_of(pipeline, METHODS)
+        meant = [f"{stage}.{name}={value}" for stage, table in settings.items() for name in table if name == word]
+        if meant:
+            raise SettingError(f"--set: wanted stage.field=value, found {text!r}; did you mean {' or '.join(meant)}?")
+    return assignments
 
 
 @contextmanager

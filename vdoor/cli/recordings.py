@@ -12,11 +12,11 @@ import typer
 
 from vdoor import __version__
 from vdoor.cli.options import Force, Json, MaxCells
-from vdoor.errors import RecordingError, SettingError, VdoorError, say
+from vdoor.errors import RecordingError, SettingError, VdoorError, no_such, say
 
 if TYPE_CHECKING:
     from vdoor.emit import Emit, RunInfo
-    from vdoor.recording.diff import Listener, Setting
+    from vdoor.recording.diff import Listener, Pair, Setting
     from vdoor.recording.diff_report import Result
     from vdoor.recording.mcap import Recording
 
@@ -31,6 +31,12 @@ SaveDifferences = Annotated[
 def verify(
     recordings: Annotated[list[Path], typer.Argument(metavar="REC.mcap...", help="Recordings, or folders of them.")],
     *,
+    only: Annotated[
+        str | None, typer.Option("--only", metavar="map", help="Compare rooms and doors alone, not every record.")
+    ] = None,
+    within: Annotated[
+        float | None, typer.Option("--within", min=0.0, metavar="M", help="With --only map: how far these may move.")
+    ] = None,
     junit: Annotated[Path | None, typer.Option(metavar="FILE.xml", help="Also write a JUnit report, for CI.")] = None,
     save: SaveDifferences = None,
     force: Force = False,
@@ -41,11 +47,16 @@ def verify(
     from vdoor.files import refuse_existing, write_whole
     from vdoor.recording import diff_report
 
+    if only not in (None, "map"):
+        raise SettingError(f"--only: {no_such('level', str(only), ['map'])}")
+    if within is not None and only is None:
+        raise SettingError("--within: wanted --only map with it, found none")
     files = list(_files(recordings))
     refuse_existing([path for path in (junit, save) if path], force=force, reads=files)
     if save and len(files) > 1:
         raise SettingError(f"--save: wanted one recording to draw, found {len(files)}")
-    results = [_verified(path, max_cells, save) for path in files]
+    within_m = None if only is None else within or 0.0
+    results = [_verified(path, max_cells, save, within_m) for path in files]
     print(
         diff_report.to_json([result.table for result in results]) if as_json else "\n".join(diff_report.table(results))
     )
@@ -62,7 +73,7 @@ def diff(
     force: Force = False,
     as_json: Json = False,
 ) -> None:
-    """Compare two recordings, settings first, then stage by stage: 0 if they are equal, 1 if not."""
+    """Compare two recordings, rooms and doors first, then settings, then stage by stage: 0 if equal, 1 if not."""
     from vdoor.errors import printable
     from vdoor.files import refuse_existing
     from vdoor.pipeline import RECORDS
@@ -74,14 +85,21 @@ def diff(
     runs = [read_recording(path, types=RECORDS) for path in (one, other)]
     settings = runs_that_differ(runs[0].info, runs[1].info)
     with _drawn(save, runs[0].info) as listen:
-        found = compare(*(map(itemgetter(1), run) for run in runs), types=RECORDS, listen=listen)
+        maps = _Maps(listen)
+        found = compare(*(map(itemgetter(1), run) for run in runs), types=RECORDS, listen=maps)
+    changes = maps.changes()
     if as_json:
-        print(diff_report.to_json({"equal": found.equal and not settings, "settings": settings, "comparison": found}))
+        table = {"equal": found.equal and not settings, "map": changes, "settings": settings, "comparison": found}
+        print(diff_report.to_json(table))
     else:
         names = ("A", "B")
         if runs[0].info.version != runs[1].info.version:
             print(printable(f"note: A was written by vdoor {runs[0].info.version}, B by {runs[1].info.version}"))
-        lines = [*(diff_report.setting_line(setting, names) for setting in settings), *diff_report.lines(found, names)]
+        lines = [
+            *changes,
+            *(diff_report.setting_line(setting, names) for setting in settings),
+            *diff_report.lines(found, names),
+        ]
         print("\n".join(lines) if lines else "equal")
     raise typer.Exit(int(bool(settings) or not found.equal))
 
@@ -190,7 +208,7 @@ def _drawn(save: Path | None, run: RunInfo) -> Iterator[Listener]:
             raise
 
 
-def _verified(path: Path, max_cells: int, save: Path | None) -> Result:
+def _verified(path: Path, max_cells: int, save: Path | None, within_m: float | None = None) -> Result:
     """Result of repeating one recorded run; an error becomes its result, so that the others are still verified."""
     import warnings
 
@@ -206,12 +224,37 @@ def _verified(path: Path, max_cells: int, save: Path | None) -> Result:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # reported when it was recorded
             with _drawn(save, recording.info) as listen:
-                report = verified(recording, lambda run, emit: _run_again(run, emit, max_cells), listen=listen)
-            return Result(path=path, report=report)
+                maps = _Maps(listen)
+                report = verified(recording, lambda run, emit: _run_again(run, emit, max_cells), listen=maps)
+            return Result(path=path, report=report, changes=None if within_m is None else maps.changes(within_m))
     except VdoorError as error:
         text = str(error).removesuffix(f": {path}")
         say(f"{text}: {path}")
         return Result(path=path, error=text)
+
+
+class _Maps:
+    """A listener that keeps the final maps of both runs, and passes every pair on."""
+
+    def __init__(self, listen: Listener) -> None:
+        self._listen = listen
+        self._pair: Pair | None = None
+
+    def __call__(self, pair: Pair) -> None:
+        self._pair = pair if pair.topic == "map" else self._pair
+        self._listen(pair)
+
+    def changes(self, within_m: float = 0.0) -> tuple[str, ...]:
+        """What changed between the two final maps; nothing if one run has none."""
+        from vdoor.matching.result_changes import result_changes
+        from vdoor.topology import TopologicalMap
+
+        if self._pair is None:
+            return ()
+        one, other = self._pair.expected, self._pair.found
+        if isinstance(one, TopologicalMap) and isinstance(other, TopologicalMap):
+            return tuple(result_changes(one, other, within_m=within_m))
+        return ("only one run has a final map",)
 
 
 def _run_again(recording: Recording, emit: Emit, max_cells: int) -> None:

@@ -41,10 +41,13 @@ def rooms(result: Result, *, as_json: Json = False) -> None:
     import json
 
     from vdoor.export import read_finished
+    from vdoor.results.segments import segments_of
 
-    lines = list(_lines(read_finished(result).topology))
+    finished = read_finished(result)
+    lines, segments = list(_lines(finished.topology)), segments_of(finished.topology, finished.annotations)
     if as_json:
-        print(json.dumps({"rooms": [_table(line) for line in lines]}))
+        own = [{"segment": segments[line.room.id].id} if line.room.id in segments else {} for line in lines]
+        print(json.dumps({"rooms": [_table(line) | segment for line, segment in zip(lines, own, strict=True)]}))
         return
     columns = [COLUMNS[0], *(NAMES if any(line.room.name for line in lines) else ()), *COLUMNS[1:]]
     cells = [[head for head, _ in columns], *([text(line) for _, text in columns] for line in lines)]

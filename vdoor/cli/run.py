@@ -30,7 +30,7 @@ from vdoor.cli.options import (
 )
 from vdoor.cli.run_edits import EditNotes, leave_edits, matched, with_edits
 from vdoor.config import DEFAULT_PRESET
-from vdoor.errors import say
+from vdoor.errors import SettingError, say
 
 if TYPE_CHECKING:
     from vdoor.emit import RunInfo
@@ -41,6 +41,7 @@ if TYPE_CHECKING:
 
 def run(
     map_file: MapFile,
+    more: Annotated[list[Path] | None, typer.Argument(hidden=True)] = None,
     *,
     save: Annotated[Path | None, typer.Option(metavar="FILE.rrd", help="Rerun recording, for viewing.")] = None,
     mcap: Annotated[Path | None, typer.Option(metavar="FILE.mcap", help="MCAP recording, with exact values.")] = None,
@@ -81,13 +82,18 @@ def run(
     """Find the rooms and doors of a map."""
     from vdoor.api import run_prepared
     from vdoor.emit import Recorder, Stopwatch
+    from vdoor.formats import read_annotations
     from vdoor.outputs import Outputs, Progress, opened
     from vdoor.results import writing
+    from vdoor.results.segments import named_by_robot
 
+    if more:
+        raise SettingError(f"run: wanted one map, found {len(more) + 1}; `vdoor batch` runs many: {more[0]}")
     outputs = Outputs(save=save, mcap=mcap, connect=connect, serve=serve, spawn=spawn)
     exports = RunExports(export or ())
     written = [*outputs.files, *([out / name for name in writing.NAMES] if out else []), *exports.files]
     _refuse_outputs(written, out, [map_file, *([edits] if edits else [])], force=force)
+    outputs.refuse_suffixes()
     grid = read_grid(map_file, resolution, unknown_value, max_cells, topic=topic, quiet=quiet)
     _refuse_sources(written, map_file, grid)
     pipeline = chosen_pipeline(preset, config, set_, robot=robot_place(grid, robot, cells=cells))
@@ -102,11 +108,13 @@ def run(
         watch = Stopwatch(Recorder([*recording.sinks, *exports.sinks(info), *notes]))
         topology = run_prepared(grid, pipeline, seed=seed, emit=watch)
         recording.finish_files()
+        annotations = read_annotations(grid.source)
+        topology = named_by_robot(topology, annotations)
         document = writing.document_of(topology, info, watch.cpu_s) | ({"match": found.document()} if found else {})
         if out:
             writing.write_result(out, grid, topology, document)
             leave_edits(out, pipeline.edit.edits, quiet=quiet)
-        refused = exports.write(topology, map_file)
+        refused = exports.write(topology, map_file, annotations)
         _print_result(topology, document, as_json=as_json)
         if refused:
             raise refused

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from vdoor.cli.options import Json, place_in
-from vdoor.errors import SettingError, say
+from vdoor.cli.options import Json, naming, place_in
+from vdoor.errors import SettingError, no_such, say
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -75,7 +75,16 @@ def step(recording: RecordingFile) -> None:
 def why(
     recording: RecordingFile,
     *,
-    at: Annotated[str, typer.Option(metavar="X,Y", help="Point, metres in the map frame.")],
+    at: Annotated[str | None, typer.Option(metavar="X,Y", help="Point, metres in the map frame.")] = None,
+    door: Annotated[
+        str | None, typer.Option("--door", metavar="DOOR", help="In place of a point: a door of the final map.")
+    ] = None,
+    edge: Annotated[
+        int | None, typer.Option("--edge", metavar="N", help="In place of a point: an edge of the initial map.")
+    ] = None,
+    candidate: Annotated[
+        int | None, typer.Option("--candidate", metavar="N", help="In place of a point: a virtual door, as it prints.")
+    ] = None,
     cells: Annotated[bool, typer.Option("--cells", help="--at is COL,ROW of the map instead.")] = False,
     count: Annotated[int, typer.Option(min=1, metavar="N", help="Number of elements of each kind.")] = 3,
     as_json: Json = False,
@@ -85,10 +94,21 @@ def why(
     import json
 
     from vdoor.explain import explain
+    from vdoor.explain.places import place_of
     from vdoor.explain.text import to_lines
 
+    given = {"--at": at, "--door": door, "--edge": edge, "--candidate": candidate}
+    named = [(option, value) for option, value in given.items() if value is not None]
+    if len(named) != 1:
+        raise SettingError(f"why: wanted one of {', '.join(given)}, found {len(named)}")
+    ((option, word),) = named
     run = _read(recording)
-    answer = explain(run, place_in(run.input.frame, at, what="--at", cells=cells), count=count)
+    with naming(recording):
+        if at is not None:
+            place_m = place_in(run.input.frame, at, what="--at", cells=cells)
+        else:
+            place_m = place_of(run, option.removeprefix("--"), str(word))
+    answer = explain(run, place_m, count=count)
     print(json.dumps(dataclasses.asdict(answer)) if as_json else "\n".join(to_lines(answer)))
 
 
@@ -120,7 +140,7 @@ def _chosen(run: History, stage: str | None, step: int | None) -> tuple[str | No
     from vdoor.history import SEARCH, STAGES
 
     if stage is not None and stage not in (*STAGES, "all"):
-        raise SettingError(f"--stage: wanted one of {', '.join(STAGES)} or all, found {stage!r}")
+        raise SettingError(f"--stage: {no_such('stage', stage, (*STAGES, 'all'))}")
     if stage not in (None, "all", *run.stages):
         raise SettingError(f"--stage: {stage} was not recorded, the last one is {run.stages[-1]}: {run.file}")
     if step is None:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from vdoor.cli.options import Force
-from vdoor.errors import RecordingError, SettingError, VdoorError, say
+from vdoor.errors import RecordingError, SettingError, VdoorError, no_such, say
 
 if TYPE_CHECKING:
     from vdoor.record import Record
@@ -44,6 +44,7 @@ def replay(
     if not (save or connect or serve or spawn):
         raise SettingError("replay: wanted somewhere to draw, one of --save, --connect, --serve, --spawn")
     refuse_existing(outputs.files, force=force, reads=[recording])
+    outputs.refuse_suffixes()
     records = _draw(recording, outputs, pause_s=STEP_S / speed if speed else 0.0)
     print(f"{records} records drawn")
 
@@ -66,7 +67,7 @@ def shot(
     by_name = {tab.lower(): tab for tab in names}
     unknown = [name for name in stage or () if name.lower() not in by_name]
     if unknown:
-        raise SettingError(f"--stage: wanted one of {', '.join(names)}, found {unknown[0]!r}")
+        raise SettingError(f"--stage: {no_such('tab', unknown[0], names)}")
     tabs = tuple(by_name[name.lower()] for name in stage) if stage else None
     refuse_existing((path for tab in tabs or names for path in out.glob(f"*_{_file_name(tab)}")), force=force)
     with _as_rrd(recording) as drawn:

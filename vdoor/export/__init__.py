@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from vdoor.editing.lookup import find_room
-from vdoor.errors import SettingError
+from vdoor.errors import SettingError, no_such
 from vdoor.export.geojson import to_geojson
 from vdoor.export.graphs import to_graphml, to_json
 from vdoor.export.nav2_route import to_nav2_route
@@ -67,10 +67,10 @@ WRITERS = (
     Writer("geojson", to_geojson),
     Writer("labels", to_labels, image=True),
     Writer("keepout", to_keepout, takes=("rooms",), image=True, needs_rooms=True),
-    Writer("virtual-walls", to_virtual_walls, takes=("rooms",)),
+    Writer("virtual-walls", to_virtual_walls, takes=("rooms", "annotations")),
     Writer("rmf", to_rmf),
     Writer("svg", to_svg),
-    Writer("report", to_report, takes=("provenance",)),
+    Writer("report", to_report, takes=("provenance", "annotations")),
 )
 
 
@@ -79,7 +79,7 @@ def writer_named(name: str) -> Writer:
     for writer in WRITERS:
         if writer.name == name:
             return writer
-    raise SettingError(f"format: wanted one of {', '.join(writer.name for writer in WRITERS)}, found {name!r}")
+    raise SettingError(f"format: {no_such('format', name, (writer.name for writer in WRITERS))}")
 
 
 @dataclass(frozen=True)
@@ -91,8 +91,8 @@ class Export:
 
     writer: Writer
     path: Path | None = None
-    rooms: tuple[str, ...] = ()
-    """Rooms by id, name or place."""
+    rooms: tuple[int | str, ...] = ()
+    """Rooms by id, or as text by id, name or place."""
 
     def __post_init__(self) -> None:
         """Check what does not need the map."""
@@ -129,8 +129,8 @@ class Export:
 
     def content(self, finished: Finished) -> str | Raster:
         """Text or image; `VdoorError` if the map cannot be written in this format."""
-        rooms = tuple(find_room(finished.topology, word, what="--room").room.id for word in self.rooms)
-        choices = {"rooms": rooms, "provenance": finished.provenance}
+        rooms = tuple(_room_id(finished.topology, room) for room in self.rooms)
+        choices = {"rooms": rooms, "provenance": finished.provenance, "annotations": finished.annotations}
         return self.writer.write(finished.topology, **{name: choices[name] for name in self.writer.takes})
 
     def put(self, content: str | Raster) -> list[Path]:
@@ -143,6 +143,10 @@ class Export:
     def write(self, finished: Finished) -> list[Path]:
         """Write the files of a map; `VdoorError` if the map has no such format or the files cannot be written."""
         return self.put(self.content(finished))
+
+
+def _room_id(topology: TopologicalMap, room: int | str) -> int:
+    return room if isinstance(room, int) else find_room(topology, room, what="--room").room.id
 
 
 def refuse_files(exports: Iterable[Export], *, force: bool, read: Iterable[Path] = ()) -> None:

@@ -29,18 +29,36 @@ class Result:
     report: Report | None = None
     error: str = ""
     """Why it could not be read or run again."""
+    changes: tuple[str, ...] | None = None
+    """What changed in the final map, a line each, if only that counts; None if all records do."""
+
+    @property
+    def equal(self) -> bool:
+        """Whether all that counts is equal."""
+        if self.report is None or self.changes is None:
+            return self.report is not None and self.report.equal
+        return not (self.changes or self.report.stopped)
+
+    @property
+    def lines(self) -> list[str]:
+        """What differs, a line each."""
+        if self.report is None:
+            return []
+        return [*self.changes, *stopped(self.report)] if self.changes is not None else [*lines(self.report, RECORDED)]
 
     @property
     def verdict(self) -> str:
         """One of equal, differs and unreadable."""
         if self.report is None:
             return "unreadable"
-        return "equal" if self.report.equal else "differs"
+        return "equal" if self.equal else "differs"
 
     @property
     def table(self) -> dict[str, Any]:
         """Fields for JSON."""
-        return {"path": self.path, "verdict": self.verdict, "error": self.error, "comparison": self.report}
+        return {"path": self.path, "verdict": self.verdict, "error": self.error, "comparison": self.report} | (
+            {} if self.changes is None else {"changes": self.changes}
+        )
 
 
 def exit_code(results: Sequence[Result]) -> int:
@@ -54,15 +72,17 @@ def table(results: Sequence[Result]) -> Iterator[str]:
     for result in results:
         yield printable(f"{result.verdict:10s}  {result.path!s:{width}s}  {_summary(result)}".rstrip())
     for result in results:
-        if result.report is not None and not result.report.equal:
+        if result.verdict == "differs":
             yield ""
             yield printable(f"{result.path}:")
-            yield from (f"  {line}" for line in lines(result.report, RECORDED))
+            yield from (f"  {line}" for line in result.lines)
 
 
 def _summary(result: Result) -> str:
     if result.report is None:
         return result.error
+    if result.changes is not None:
+        return result.report.stopped or f"{len(result.changes)} changes of the map"
     first = result.report.first
     if first is not None:
         return f"from {first.topic} on"
@@ -78,6 +98,11 @@ def lines(report: Report, names: Names) -> Iterator[str]:
             yield from (f"  {line}" for line in _mismatch(stage, names))
         elif not stage.equal:
             yield f"{stage.topic} differs too: {_counts(stage, names)}"
+    yield from stopped(report, names)
+
+
+def stopped(report: Report, names: Names = RECORDED) -> Iterator[str]:
+    """Why the second run stopped early; nothing if it did not."""
     if report.stopped:
         yield printable(f"{names[1]} the run stopped: {report.stopped}")
 
@@ -160,9 +185,9 @@ def junit(results: Sequence[Result]) -> bytes:
         case = ET.SubElement(suite, "testcase", classname="vdoor.verify", name=printable(str(result.path)))
         if result.report is None:
             ET.SubElement(case, "error", message=printable(result.error))
-        elif not result.report.equal:
+        elif not result.equal:
             failure = ET.SubElement(case, "failure", message=printable(_summary(result)))
-            failure.text = "\n".join(lines(result.report, RECORDED))
+            failure.text = "\n".join(result.lines)
     root = ET.Element("testsuites")
     root.append(suite)
     ET.indent(root)

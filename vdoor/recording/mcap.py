@@ -23,6 +23,7 @@ from vdoor.emit import RunInfo
 from vdoor.errors import RecordingError, printable
 from vdoor.grid import OccupancyGrid
 from vdoor.interrupts import held_signals
+from vdoor.kinds import kind_of
 from vdoor.record import Record
 from vdoor.recording import about, codec, ros, viewers
 from vdoor.recording.about import Attached, attached
@@ -354,9 +355,16 @@ def naming(path: Path) -> Iterator[None]:
     except (EndOfFile, struct.error) as error:
         raise RecordingError(f"recording: wanted a complete MCAP file, found it cut short: {path}") from error
     except InvalidMagic as error:
-        raise RecordingError(f"recording: wanted an MCAP file, found none: {path}") from error
+        raise RecordingError(f"recording: {_wanted(path)}: {path}") from error
     except (McapError, zstandard.ZstdError, ValueError, OverflowError, MemoryError) as error:
         raise RecordingError(f"recording: damaged ({printable(str(error))}): {path}") from error
+
+
+def _wanted(path: Path) -> str:
+    """What was wanted, for a file that is no MCAP, and how to get one."""
+    kind = kind_of(path)
+    advice = "; `vdoor run --mcap` writes what this command reads" if kind == "a Rerun recording" else ""
+    return f"wanted an MCAP file, found {kind}{advice}"
 
 
 def _refuse_pipe(path: Path) -> None:
@@ -364,6 +372,8 @@ def _refuse_pipe(path: Path) -> None:
     mode = path.stat().st_mode
     if not (stat.S_ISREG(mode) or stat.S_ISDIR(mode)):
         raise RecordingError("recording: wanted a file, found a device or pipe")
+    if stat.S_ISDIR(mode):
+        raise RecordingError(f"recording: {_wanted(path)}")
 
 
 @contextlib.contextmanager

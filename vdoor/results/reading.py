@@ -19,13 +19,15 @@ from vdoor.evaluate.label_files import read_image, read_labels, read_table
 from vdoor.formats import read_annotations
 from vdoor.formats.source import checked_resolution_m, shown
 from vdoor.frame import Frame
-from vdoor.grid import FREE, OCCUPIED, UNKNOWN, Annotations, Line, OccupancyGrid, Segment
+from vdoor.grid import FREE, OCCUPIED, UNKNOWN, Annotations, OccupancyGrid
 from vdoor.history.provenance import Provenance, facts_of
 from vdoor.method.final_doors import Doors
 from vdoor.method.final_map import Features, map_of, ranked
 from vdoor.pipeline import RECORDS
 from vdoor.record import TEXT
 from vdoor.recording.mcap import read_recording
+from vdoor.results.annotations import read_table as annotations_in
+from vdoor.results.segments import named_by_robot
 from vdoor.results.writing import GREY_FREE, GREY_OCCUPIED, NAMES, SCHEMA
 from vdoor.topology import KINDS, Door, TopologicalMap, signed_area_m2
 
@@ -44,7 +46,7 @@ class Finished:
     settings: Mapping[str, Any] = field(default_factory=dict)
     """The settings of the run, as nested tables."""
     annotations: Annotations | None = None
-    """What the map's file holds besides the cells, without the segments' labels."""
+    """What the robot's map file says besides the cells; None for other maps."""
 
 
 def read_finished(path: str | Path, *, provenance: bool = False) -> Finished:
@@ -69,8 +71,9 @@ def read_last(path: Path, *, provenance: bool = False) -> Finished:
     for step, record in recording:
         topic = record.topic
         if isinstance(record, TopologicalMap):
-            source, settings = recording.info.source, recording.info.settings
-            found = Finished(in_own_frame(record, source), origin, settings, read_annotations(source))
+            annotations = read_annotations(recording.info.source)
+            placed = in_own_frame(record, recording.info.source)
+            found = Finished(named_by_robot(placed, annotations), origin, recording.info.settings, annotations)
         elif origin:
             origin.run.write(step, record)
         if found and not origin:
@@ -102,28 +105,12 @@ def read_result(folder: Path, *, provenance: bool = False) -> Finished:
         names = {table["id"]: _text(table.get("name", "")) for table in document["rooms"]}
         topology = _assembled(labels, _frame(document, labels.shape), doors, features, names)
         _refuse_parts(topology)
-        annotations = document.get("annotations")
-        noted = _annotations(annotations) if annotations else None
+        table = document.get("annotations")
+        annotations = annotations_in(table, (labels.shape[0], labels.shape[1])) if table else None
         origin = _provenance(folder, document, topology.frame) if provenance else None
-        topology = dataclasses.replace(topology, own_origin_cm=noted.own_origin_cm if noted else None)
-        return Finished(topology, origin, dict(document["settings"]), noted)
-
-
-def _annotations(table: Mapping[str, Any]) -> Annotations:
-    """The annotations in map.json; raises `VdoorError` for invalid points."""
-    return Annotations(
-        own_origin_cm=_point(table["own_origin_cm"]),
-        robot_m=_point(table["robot_m"]) if table.get("robot_m") else None,
-        charger_m=_point(table["charger_m"]) if table.get("charger_m") else None,
-        virtual_walls_m=_lines(table.get("virtual_walls_m", ())),
-        no_go_areas_m=_lines(table.get("no_go_areas_m", ())),
-        no_mop_areas_m=_lines(table.get("no_mop_areas_m", ())),
-        segments=tuple(Segment(**segment) for segment in table.get("segments", ())),
-    )
-
-
-def _lines(lines: Sequence[Sequence[Sequence[object]]]) -> tuple[Line, ...]:
-    return tuple(tuple(_point(point) for point in line) for line in lines)
+        if annotations:
+            topology = dataclasses.replace(topology, own_origin_cm=annotations.own_origin_cm)
+        return Finished(named_by_robot(topology, annotations), origin, dict(document["settings"]), annotations)
 
 
 def _provenance(folder: Path, document: Mapping[str, Any], frame: Frame) -> Provenance:

@@ -19,7 +19,8 @@ from vdoor.emit import RunInfo
 from vdoor.errors import VdoorError
 from vdoor.files import make_folder, write_whole
 from vdoor.formats import read_annotations
-from vdoor.grid import Annotations, OccupancyGrid
+from vdoor.grid import OccupancyGrid, Source
+from vdoor.results.annotations import table_of
 from vdoor.topology import Door, Room, TopologicalMap
 
 SCHEMA = 1
@@ -76,17 +77,20 @@ def document_of(topology: TopologicalMap, info: RunInfo, timings_s: Mapping[str,
         "resolution_m": frame.resolution_m,
         "size": {"width": frame.width, "height": frame.height},
         "origin": {"x_m": frame.x_m, "y_m": frame.y_m, "yaw_rad": frame.yaw_rad},
-        "source": {
-            "files": [{"name": name, "sha256": hashlib.sha256(data).hexdigest()} for name, data in info.source.files],
-            "options": dict(info.source.options),
-        },
-        "annotations": annotations and _annotations(annotations),
+        "source": source_table(info.source),
+        "annotations": annotations and table_of(annotations),
         "preset": info.preset,
         "settings": dict(info.settings),
         "seed": info.seed,
         **_graph(topology),
         "timings_s": {stage: round(seconds, 4) for stage, seconds in timings_s.items()},
     }
+
+
+def source_table(source: Source) -> dict[str, Any]:
+    """Which files a map was read from, and how."""
+    files = [{"name": name, "sha256": hashlib.sha256(data).hexdigest()} for name, data in source.files]
+    return {"files": files, "options": dict(source.options)}
 
 
 def _graph(topology: TopologicalMap) -> dict[str, Any]:
@@ -99,13 +103,6 @@ def _graph(topology: TopologicalMap) -> dict[str, Any]:
             "edges": [{"door": door.id, "rooms": list(door.rooms)} for door in doors],
         },
     }
-
-
-def _annotations(annotations: Annotations) -> dict[str, Any]:
-    """The annotations as a table, without the label image, which is in the map file."""
-    fields = dataclasses.asdict(annotations)
-    del fields["labels"]
-    return fields
 
 
 def _room(room: Room) -> dict[str, Any]:

@@ -18,6 +18,7 @@ from vdoor.errors import VdoorError, printable
 from vdoor.export.geometry import line_m, refuse_not_finite
 from vdoor.export.report.layers import layers
 from vdoor.export.report.sheet import Sheet, colour_text, polygon, polyline
+from vdoor.grid import Annotations
 from vdoor.history.provenance import Provenance, value_text
 from vdoor.history.records import ConvergenceHistory
 from vdoor.pipeline import Pipeline
@@ -33,14 +34,17 @@ MOST_POINTS = 1000
 """Maximum number of generations in the curve; those that improved the best cost are included if they fit."""
 
 
-def to_report(topology: TopologicalMap, provenance: Provenance | None = None) -> str:
+def to_report(
+    topology: TopologicalMap, provenance: Provenance | None = None, annotations: Annotations | None = None
+) -> str:
     """HTML: the map with a switch for each stage, tables of rooms and doors, cost curve, settings.
 
-    Without provenance only rooms and doors are shown. Numbers are rounded for reading; the other formats have them in
-    full. Equal runs give equal pages. Raises `VdoorError` if records contain values that cannot be drawn.
+    Without provenance only rooms and doors are shown; without `annotations`, those of a recorded map file. Numbers are
+    rounded for reading; the other formats have them in full. Equal runs give equal pages. Raises `VdoorError` if
+    records contain values that cannot be drawn.
     """
     refuse_not_finite(topology)
-    data = _page_data(topology, provenance)
+    data = _page_data(topology, provenance, annotations)
     try:
         text = json.dumps(data, separators=(",", ":"), allow_nan=False)
     except ValueError as error:  # a recording can hold any number
@@ -56,7 +60,9 @@ def to_report(topology: TopologicalMap, provenance: Provenance | None = None) ->
     )
 
 
-def _page_data(topology: TopologicalMap, provenance: Provenance | None) -> dict[str, Any]:
+def _page_data(
+    topology: TopologicalMap, provenance: Provenance | None, annotations: Annotations | None
+) -> dict[str, Any]:
     """Data of the page, by name."""
     sheet, frame = Sheet(topology.frame), topology.frame
     (x_m, y_m), (to_right_x_m, to_right_y_m), (down_x_m, down_y_m) = frame.world_from_cell(
@@ -68,7 +74,7 @@ def _page_data(topology: TopologicalMap, provenance: Provenance | None) -> dict[
         "view": _view(topology),
         "resolution_m": frame.resolution_m,
         "world_m": [x_m, y_m, *axes],
-        "layers": [asdict(layer) for layer in layers(sheet, provenance)],
+        "layers": [asdict(layer) for layer in layers(sheet, provenance, annotations)],
         "rooms": _rooms(topology, sheet),
         "doors": _doors(topology, sheet),
         "door_colour": colour_text(style.KEPT),

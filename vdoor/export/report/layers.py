@@ -13,7 +13,7 @@ from vdoor.explain.routes import described, obstacle_text
 from vdoor.explain.stages import view_of
 from vdoor.export.report.sheet import Layer, Sheet, colour_text, polygon, polyline, room_codes
 from vdoor.frame import Frame
-from vdoor.grid import FREE_TO, OCCUPIED_FROM, OccupancyGrid
+from vdoor.grid import FREE_TO, OCCUPIED_FROM, Annotations, Line, OccupancyGrid
 from vdoor.history.provenance import Provenance
 from vdoor.method.boundary import BoundaryPath
 from vdoor.method.corners import Candidates, Corners
@@ -28,7 +28,7 @@ from vdoor.navigate.find_route import Route
 from vdoor.record import RASTERS, Record, specs, tables, texts_of
 from vdoor.topology import KINDS
 from vdoor.viz.rerun import style
-from vdoor.viz.rerun.restrictions import restrictions
+from vdoor.viz.rerun.restrictions import restriction_lines, restrictions
 
 Drawn = Iterator[Layer]
 FREE, BETWEEN, OCCUPIED = 1, 2, 3
@@ -46,21 +46,27 @@ ANGLE_COLOURS = ("#7f0000", "#c8301c", "#ee7a2b", "#f0b23c", "#e3d59a")
 """Colours between these angles, sharpest first; straight walls are not drawn."""
 
 
-def layers(sheet: Sheet, provenance: Provenance | None) -> Iterator[Layer]:
+def layers(sheet: Sheet, provenance: Provenance | None, annotations: Annotations | None = None) -> Iterator[Layer]:
     """Layers of all recorded stages, in the order of the method; records without a function use `draw_any`."""
     if provenance is None:
         return
     for record in provenance.records:
         yield from DRAW.get(type(record), draw_any)(sheet, record)
+        if isinstance(record, OccupancyGrid):
+            yield from draw_restrictions(sheet, restriction_lines(annotations) or restrictions(record))
         if isinstance(record, InitialMap) and len(provenance.run.search):
             yield draw_search(sheet, record, provenance)
 
 
 def draw_input(sheet: Sheet, grid: OccupancyGrid) -> Drawn:
-    """The input map, and the areas that the robot must not enter."""
+    """The input map."""
     yield _cells(sheet, grid, Layer("input", view_of(OccupancyGrid).name, on=True))
+
+
+def draw_restrictions(sheet: Sheet, found: Sequence[tuple[str, style.Colour, Sequence[Line]]]) -> Drawn:
+    """Walls and areas that the robot must not cross or enter."""
     layer = Layer("restrictions", "Restrictions in the map file", on=True)
-    for word, colour, lines in restrictions(grid):
+    for word, colour, lines in found:
         paths = [polyline(sheet.world_points(np.array(line))) for line in lines]
         layer.add_lines(paths, colour_text(colour), word, tips=[word] * len(paths), wide_px=3)
     if layer.shapes:

@@ -6,16 +6,20 @@ from collections.abc import Sequence
 
 from vdoor.errors import MapError
 from vdoor.formats import read_annotations
-from vdoor.grid import Line, OccupancyGrid
+from vdoor.grid import Annotations, Line, OccupancyGrid
 from vdoor.viz.rerun import style
 
 
 def restrictions(grid: OccupancyGrid) -> list[tuple[str, style.Colour, Sequence[Line]]]:
     """Kinds of restrictions with colour and lines, x and y in metres, areas closed; empty if the file has none."""
     try:
-        found = read_annotations(grid.source)
+        return restriction_lines(read_annotations(grid.source))
     except MapError:  # a recording can contain any files
-        found = None
+        return []
+
+
+def restriction_lines(found: Annotations | None) -> list[tuple[str, style.Colour, Sequence[Line]]]:
+    """The same of annotations that are known."""
     if found is None:
         return []
     return [

@@ -4,22 +4,17 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import finished
+import commands
+import finished_maps
 import pytest
-import recorded
 
 import vdoor
 from vdoor.editing.lookup import find_door, find_room, middle_m
 from vdoor.errors import SettingError
 
 
-@pytest.fixture
-def command(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> recorded.Command:
-    return recorded.Command(monkeypatch, capsys)
-
-
 def test_every_room_and_door_is_found_by_each_of_its_words() -> None:
-    flat = finished.topology("flat")
+    flat = finished_maps.topology("flat")
     names = [f"name {room.centre_m[0]},{room.centre_m[1]} Room {room.id}th" for room in flat.rooms]
     named = vdoor.edited(flat, names)
     for room in named.rooms:
@@ -42,7 +37,7 @@ def test_every_room_and_door_is_found_by_each_of_its_words() -> None:
     ],
 )
 def test_a_word_for_no_room_or_for_two_is_refused(word: str, says: str) -> None:
-    flat = finished.topology("flat")
+    flat = finished_maps.topology("flat")
     lines = zip(flat.rooms, ("Kitchen", "Hall", "Hall"), strict=False)
     named = vdoor.edited(flat, [f"name {room.centre_m[0]},{room.centre_m[1]} {name}" for room, name in lines])
     with pytest.raises(SettingError) as error:
@@ -52,13 +47,13 @@ def test_a_word_for_no_room_or_for_two_is_refused(word: str, says: str) -> None:
 
 def test_a_place_far_from_every_door_is_refused() -> None:
     with pytest.raises(SettingError, match=r"^door: no door there, wanted one at most 0.5 m from -9,-9$"):
-        find_door(finished.topology("flat"), "-9,-9")
+        find_door(finished_maps.topology("flat"), "-9,-9")
 
 
-def test_an_export_takes_a_room_by_name_and_by_place(tmp_path: Path, command: recorded.Command) -> None:
-    result = finished.result("flat", tmp_path / "r")
+def test_an_export_takes_a_room_by_name_and_by_place(tmp_path: Path, command: commands.Command) -> None:
+    result = finished_maps.result("flat", tmp_path / "r")
     assert command("rename", result, "4", "Kitchen").code == 0
-    x_m, y_m = finished.topology("flat").room(4).centre_m
+    x_m, y_m = finished_maps.topology("flat").room(4).centre_m
     words = ("4", "Kitchen", f"{x_m},{y_m}")
     walls = [command("export", result, "--to", "virtual-walls", "--room", word) for word in words]
     assert [(done.code, done.out) for done in walls] == [(0, walls[0].out)] * 3

@@ -22,7 +22,7 @@ from vdoor.pipeline import METHODS, PRESETS, recorded
 from vdoor.record import Record
 from vdoor.viz.rerun.sink import RerunSink
 
-FLAT = Path(__file__).parent.parent / "recordings" / "flat.yaml"
+FLAT = Path(__file__).parents[2] / "recordings" / "flat.yaml"
 ROUTE = FindRoute(start="1", goal="4")
 
 

@@ -6,9 +6,9 @@ import csv
 import json
 from pathlib import Path
 
+import commands
 import numpy as np
 import pytest
-import recorded
 import vacuum
 import yaml
 from mcap.reader import make_reader
@@ -20,25 +20,25 @@ from vdoor.recording import ros
 from vdoor.recording.mcap import read_recording
 from vdoor.results.known_map import TABLES
 
-FLAT = Path(__file__).parent.parent / "recordings" / "flat.yaml"
+FLAT = Path(__file__).parents[2] / "recordings" / "flat.yaml"
 WAY = ["1", "4"]
 
 
 class Command:
     """The command, called in this process, with the exit code that is wanted."""
 
-    def __init__(self, call: recorded.Command) -> None:
+    def __init__(self, call: commands.Command) -> None:
         self._call = call
 
-    def __call__(self, *words: str | Path, code: int = 0) -> recorded.Done:
+    def __call__(self, *words: str | Path, code: int = 0) -> commands.Done:
         done = self._call(*words)
         assert done.code == code, done
         return done
 
 
 @pytest.fixture
-def command(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Command:
-    return Command(recorded.Command(monkeypatch, capsys))
+def command() -> Command:
+    return Command(commands.Command())
 
 
 @pytest.fixture(scope="module")

@@ -29,7 +29,7 @@ from vdoor.topology import TopologicalMap
 CELL_M = 0.1
 ROOM = 30
 """Cells across a room of the drawn maps."""
-HOME = Path(__file__).parent.parent
+HOME = Path(__file__).parents[2]
 
 
 def rooms_in_a_ring(*doors: int) -> Cells:

@@ -1,0 +1,1 @@
+"""Many maps in one go: a map in, a result folder out, and an index of all."""
