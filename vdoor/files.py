@@ -1,4 +1,4 @@
-"""Files that get their final name only once they are complete, and the one way in which files are opened for reading."""
+"""Files that get their final name only once they are complete, and the one way to open a file for reading."""
 
 from __future__ import annotations
 

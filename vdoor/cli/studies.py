@@ -59,7 +59,7 @@ def bench(
     from vdoor.outputs import both_recordings
 
     pipeline = chosen_pipeline(preset, None, set_)
-    grids = {path.name: read_grid(path, resolution, None, 100_000_000, quiet=True) for path in maps or ()}
+    grids = {path.name: read_grid(path, quiet=True, resolution_m=resolution) for path in maps or ()}
     for report in benchmark.measured(
         grids or benchmark.own_maps(), pipeline, tile=tile, record=both_recordings if record else None
     ):

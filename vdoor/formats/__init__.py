@@ -9,11 +9,12 @@ from pathlib import Path
 from typing import BinaryIO, NamedTuple
 
 from vdoor.errors import MapError, MapWarning
-from vdoor.formats import bag, images, map_server, message, numpy_array, opening, valetudo
+from vdoor.formats import bag, images, map_server, message, notes, numpy_array, opening, valetudo
+from vdoor.formats.notes import histogram, note_cells
 from vdoor.formats.source import MAX_CELLS, Options, Request
 from vdoor.grid import Annotations, OccupancyGrid, Source
 
-__all__ = ["MAX_CELLS", "READERS", "Reader", "read_annotations", "read_map", "read_piped", "read_source"]
+__all__ = ["MAX_CELLS", "READERS", "Reader", "described", "read_annotations", "read_map", "read_piped", "read_source"]
 
 
 def _no_paths(_: bytes) -> tuple[str, ...]:
@@ -52,6 +53,8 @@ def read_map(
     *,
     resolution_m: float | None = None,
     unknown_value: int | None = None,
+    free_below: float | None = None,
+    occupied_from: float | None = None,
     topic: str | None = None,
     max_cells: int = MAX_CELLS,
 ) -> OccupancyGrid:
@@ -60,12 +63,16 @@ def read_map(
     Parameters
     ----------
     path
-        a map; its suffix determines the format: map_server YAML, image (PGM, PNG, BMP, TIFF), .npy, Valetudo JSON, bag
-        (.mcap, .db3, .bag, or the folder of a ROS 2 bag), or a recording made by vdoor, which contains its input map
+        a map; what is inside determines the format: map_server YAML, image (PGM, PNG, BMP, TIFF), .npy, Valetudo JSON,
+        bag (.mcap, .db3, .bag, or the folder of a ROS 2 bag), or a recording made by vdoor, which contains its input
+        map; also compressed (zstd, gzip, deflate, bzip2, xz, lz4), in base64, or in a PNG's text
     resolution_m
         metres per cell, for files without a resolution (default 0.05, with a warning); an error if the file's differs
     unknown_value
         a grey value, 0 to 255, whose cells are unknown regardless of the thresholds
+    free_below, occupied_from
+        limits in per cent of occupancy, in place of the thresholds of the file or format; where a bag or array has
+        many values between free and occupied, 50 and 51 are used, with a warning
     topic
         the nav_msgs/OccupancyGrid topic to read from a bag; its last message is read
     max_cells
@@ -82,7 +89,13 @@ def read_map(
         if the file is valid but probably wrong, or something had to be assumed
 
     """
-    options = _options(resolution_m=resolution_m, unknown_value=unknown_value, topic=topic)
+    options = _options(
+        resolution_m=resolution_m,
+        unknown_value=unknown_value,
+        free_below=free_below,
+        occupied_from=occupied_from,
+        topic=topic,
+    )
     return _read(opening.opened(Path(path), options, _formats(), max_cells=max_cells))
 
 
@@ -91,10 +104,19 @@ def read_piped(
     *,
     resolution_m: float | None = None,
     unknown_value: int | None = None,
+    free_below: float | None = None,
+    occupied_from: float | None = None,
+    topic: str | None = None,
     max_cells: int = MAX_CELLS,
 ) -> OccupancyGrid:
-    """The occupancy grid of a Valetudo map, an image or a .npy read from a pipe; otherwise like `read_map`."""
-    options = _options(resolution_m=resolution_m, unknown_value=unknown_value)
+    """The occupancy grid of a map read from a pipe, of any format that is a single file; otherwise like `read_map`."""
+    options = _options(
+        resolution_m=resolution_m,
+        unknown_value=unknown_value,
+        free_below=free_below,
+        occupied_from=occupied_from,
+        topic=topic,
+    )
     return _read(opening.piped(stream, options, _formats(), max_cells=max_cells))
 
 
@@ -114,6 +136,21 @@ def read_annotations(source: Source, *, max_cells: int = MAX_CELLS) -> Annotatio
     return _reader(request).annotations(request)
 
 
+def described(grid: OccupancyGrid) -> str:
+    """The cells of a map in counts, the commonest greys or values, what to set if none is free, and the map's name."""
+    files = grid.source.files
+    greys = None
+    if files and (data := dict(files).get(_image_of(grid.source))):
+        greys = histogram(images.decode(data, max_cells=grid.cells.size).greys())
+    return f"{notes.described(grid.cells, greys)}: {files[0][0] if files else 'map'}"
+
+
+def _image_of(source: Source) -> str:
+    """The name of the stored image of a map; empty if it has none."""
+    suffixes = next(reader for reader in READERS if reader.read is images.read).suffixes
+    return next((name for name, _ in source.files if Path(name).suffix.lower() in suffixes), "")
+
+
 def _options(**given: float | str | None) -> Options:
     """The options that are not None."""
     return {name: value for name, value in given.items() if value is not None}
@@ -122,6 +159,7 @@ def _options(**given: float | str | None) -> Options:
 def _read(request: Request) -> OccupancyGrid:
     """The grid of a request, with its notes issued as warnings."""
     grid = _reader(request).read(request)
+    note_cells(grid.cells, request)
     for note in request.notes:
         warnings.warn(note, MapWarning, stacklevel=3)
     return grid

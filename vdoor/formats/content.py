@@ -47,7 +47,11 @@ OTHERS = (
     (b"%PDF", "a PDF document (save the map as PNG or PGM)"),
     (b"\x7fELF", "a program"),
 )
-TAR_AT, TAR = 257, b"ustar"
+INNER = (
+    (257, b"ustar", f"a tar archive ({UNPACK_FIRST})"),
+    (8, b"WEBP", "a WebP picture (save the map as PNG or PGM)"),
+)
+"""Magic numbers that are not at the begin."""
 HTML = re.compile(rb"\s*<(!doctype|html|\?xml|svg)", re.IGNORECASE)
 YAML = re.compile(rb"^\s*[\"']?(image|resolution|occupied_thresh|free_thresh)[\"']?\s*:", re.MULTILINE)
 LEAST_KEYS = 2
@@ -74,16 +78,15 @@ def kind_of(begin: bytes) -> Kind:
 
 def _text_or_archive(begin: bytes) -> Kind:
     """What a file without a magic number is."""
-    if begin[TAR_AT:].startswith(TAR):
-        return Kind(other=f"a tar archive ({UNPACK_FIRST})")
-    if begin[:4] == b"RIFF" and begin[8:12] == b"WEBP":
-        return Kind(other="a WebP picture (save the map as PNG or PGM)")
+    for at, magic, other in INNER:
+        if begin[at:].startswith(magic):
+            return Kind(other=other)
     text = _without_mark(begin).lstrip(SPACE)
     if text[:1] in (b"{", b"["):
         return Kind(suffix=".json")
     if HTML.match(text):
         return Kind(other="a web page or XML, not a map (does the address need a login?)")
-    if len({key for (key) in YAML.findall(text)}) >= LEAST_KEYS:
+    if len(set(YAML.findall(text))) >= LEAST_KEYS:
         return Kind(suffix=".yaml")
     # Two bytes are a weak sign, so it is the last one looked for.
     if len(begin) > 2 and begin[0] & 0x0F == 8 and int.from_bytes(begin[:2]) % 31 == 0:  # noqa: PLR2004  # RFC 1950

@@ -226,7 +226,7 @@ def _named_file(place: Path, path: Path, *, limit: int) -> bytes:
 
 
 def _lies_near(place: Path, path: Path) -> str | None:
-    """The path from the file at `path` to a file of the wanted name, or else stem; None if there is none close to it."""
+    """The path from the file at `path` to a file of the wanted name, or else stem; None if none is near."""
     folder = path.parent
     folders = [".", "..", *(name for name in sorted(_listed(folder)) if (folder / name).is_dir())]
     for alike in (lambda name: name == place.name, lambda name: _is_image_of(name, place)):

@@ -13,7 +13,7 @@ UNPACKED_PER_BYTE = 20
 """Bytes that a bag may unpack to in total by the bytes of its file, beside four times the limit of one chunk."""
 
 
-class Damaged(MapError):
+class DamagedError(MapError):
     """A part of a bag that cannot be read; whole messages elsewhere in it may be."""
 
 
@@ -38,7 +38,7 @@ class Budget:
             raise MapError("bag: wanted a number of records that fits the file's size, found far more")
 
     def unpack(self, packing: str, data: bytes) -> bytes:
-        """The content of a chunk or message; raises `Damaged` if it is damaged, MapError if it is too large."""
+        """The content of a chunk or message; raises `DamagedError` if it is damaged, MapError if it is too large."""
         if packing not in UNPACK:
             raise MapError(f"bag: wanted chunks packed with {', '.join(UNPACK)}, found {packing!r}")
         content = UNPACK[packing](data, self.most_bytes)

@@ -10,7 +10,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from typing import BinaryIO, NamedTuple, Protocol
 
-from vdoor.formats.bag.budget import Budget, Damaged
+from vdoor.formats.bag.budget import Budget, DamagedError
 from vdoor.formats.unpacking import PackedError
 
 
@@ -118,19 +118,19 @@ class ChunkedBag:
         """The messages of a chunk up to the first damage, which is put on record."""
         try:
             yield from self._layout.messages(self._content(chunk), channels)
-        except (Damaged, PackedError) as error:
+        except (DamagedError, PackedError) as error:
             problem = f"damaged at byte {chunk.begin} ({error})"
             if problem not in self._problems:
                 self._problems.append(problem)
 
     def _content(self, chunk: Chunk) -> bytes:
-        """The unpacked content of a chunk; raises `Damaged` if it does not fit its size or checksum."""
+        """The unpacked content of a chunk; raises `DamagedError` if it does not fit its size or checksum."""
         import zlib  # noqa: PLC0415
 
         self._stream.seek(chunk.begin)
         content = self._budget.unpack(chunk.packing, self._stream.read(chunk.size))
         if chunk.unpacked not in (None, len(content)):
-            raise Damaged(f"wanted {chunk.unpacked} bytes unpacked, found {len(content)}")
+            raise DamagedError(f"wanted {chunk.unpacked} bytes unpacked, found {len(content)}")
         if chunk.crc and zlib.crc32(content) != chunk.crc:
-            raise Damaged("wrong checksum")
+            raise DamagedError("wrong checksum")
         return content

@@ -7,7 +7,7 @@ import struct
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, BinaryIO
 
-from vdoor.formats.bag.budget import Budget, Damaged
+from vdoor.formats.bag.budget import Budget, DamagedError
 from vdoor.formats.bag.chunked import Chunk, Message, Topic
 
 if TYPE_CHECKING:
@@ -56,16 +56,16 @@ class McapLayout:
             yield chunk
 
     def messages(self, content: bytes, channels: set[int] | None) -> Iterator[Message]:
-        """The messages of some channels in a chunk; raises `Damaged` where its records end too early."""
+        """The messages of some channels in a chunk; raises `DamagedError` where its records end too early."""
         at = 0
         while at < len(content):
             self._budget.take_records()
             if at + RECORD.size > len(content):
-                raise Damaged("a chunk that ends within a record")
+                raise DamagedError("a chunk that ends within a record")
             kind, length = RECORD.unpack_from(content, at)
             begin, at = at + RECORD.size, at + RECORD.size + length
             if at > len(content):
-                raise Damaged("a chunk that ends within a record")
+                raise DamagedError("a chunk that ends within a record")
             if kind == MESSAGE and length >= MESSAGE_HEAD_BYTES:
                 channel, time_ns = MESSAGE_HEAD.unpack_from(content, begin)
                 if channels is None or channel in channels:
@@ -132,7 +132,7 @@ class McapLayout:
         try:
             for _ in self.messages(summary, set()):
                 pass
-        except Damaged:
+        except DamagedError:
             self.channels.clear()
 
     def _define(self, kind: int, body: bytes) -> None:

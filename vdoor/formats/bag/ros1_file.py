@@ -6,7 +6,7 @@ import struct
 from collections.abc import Iterator
 from typing import BinaryIO
 
-from vdoor.formats.bag.budget import Budget, Damaged
+from vdoor.formats.bag.budget import Budget, DamagedError
 from vdoor.formats.bag.chunked import Chunk, Message, Topic
 from vdoor.formats.bag.mcap_file import ros2_name
 from vdoor.recording.ros import NS_PER_S
@@ -45,14 +45,14 @@ class Ros1Layout:
             yield chunk
 
     def messages(self, content: bytes, channels: set[int] | None) -> Iterator[Message]:
-        """The messages of some connections in a chunk; raises `Damaged` where its records end too early."""
+        """The messages of some connections in a chunk; raises `DamagedError` where its records end too early."""
         at = 0
         while at < len(content):
             self._budget.take_records()
             fields, begin = _fields(content, at)
             at = begin + _length(content, begin - LENGTH.size)
             if at > len(content):
-                raise Damaged("a chunk that ends within a record")
+                raise DamagedError("a chunk that ends within a record")
             kind, channel = _number(fields, "op"), _number(fields, "conn")
             if kind == CONNECTION:
                 self._define(fields, content[begin:at])
@@ -69,7 +69,7 @@ class Ros1Layout:
                 break
             try:
                 fields, begin = _fields(self._read(at, size + 2 * LENGTH.size), 0)
-            except Damaged:
+            except DamagedError:
                 self.stopped = f"damaged at byte {at}"
                 return
             data = _length(self._read(at + size + LENGTH.size, LENGTH.size), 0)
@@ -82,10 +82,10 @@ class Ros1Layout:
             self.stopped = f"cut short at byte {self._size}"
 
     def _read_connections(self) -> bool:
-        """Take the connections from the end of the file; whether they are there, as they are in a bag that was closed."""
+        """Take the connections from the end of the file; whether they are there, as in a bag that was closed."""
         try:
             fields, begin = _fields(self._read(len(MAGIC), MOST_HEADER), 0)
-        except Damaged:
+        except DamagedError:
             return False
         start = _number(fields, "index_pos")
         if not begin < start < self._size:
@@ -109,7 +109,7 @@ class Ros1Layout:
         """Take in a connection; the first one with an id counts, and damaged ones are left out."""
         try:
             about, _ = _fields(LENGTH.pack(len(data)) + data + bytes(LENGTH.size), 0)
-        except Damaged:
+        except DamagedError:
             return
         topic = Topic(
             name=_text(fields, "topic"),
@@ -130,18 +130,18 @@ def _chunk(fields: Fields, begin: int, size: int) -> Chunk:
 
 
 def _fields(data: bytes, at: int) -> tuple[Fields, int]:
-    """The fields of the header at a byte, and where the data behind it begins; raises `Damaged` if it is cut short."""
+    """The fields of the header at a byte, and where the data behind it begins; raises `DamagedError` if it is cut short."""
     begin = at + LENGTH.size
     end = begin + _length(data, at)
     if end + LENGTH.size > len(data):
-        raise Damaged("a header that is cut short")
+        raise DamagedError("a header that is cut short")
     fields: Fields = {}
     while begin < end:
         size = _length(data, begin)
         begin += LENGTH.size
         name, equals, value = data[begin : begin + size].partition(b"=")
         if not equals or begin + size > end:
-            raise Damaged("a header without fields")
+            raise DamagedError("a header without fields")
         fields[name.decode(errors="replace")] = value
         begin += size
     return fields, end + LENGTH.size
@@ -149,7 +149,7 @@ def _fields(data: bytes, at: int) -> tuple[Fields, int]:
 
 def _length(data: bytes, at: int) -> int:
     if at + LENGTH.size > len(data):
-        raise Damaged("a length that is cut short")
+        raise DamagedError("a length that is cut short")
     return int(LENGTH.unpack_from(data, at)[0])
 
 
@@ -165,6 +165,6 @@ def _text(fields: Fields, name: str) -> str:
 def _time_ns(fields: Fields) -> int:
     value = fields.get("time", b"")
     if len(value) != TIME.size:
-        raise Damaged("a message without a time")
+        raise DamagedError("a message without a time")
     seconds, rest_ns = TIME.unpack(value)
     return int(seconds * NS_PER_S + rest_ns)
