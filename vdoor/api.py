@@ -14,7 +14,7 @@ import numpy as np
 from vdoor.config import DEFAULT_PRESET
 from vdoor.emit import Emit, silent
 from vdoor.errors import MapError, MapWarning
-from vdoor.formats import read_annotations
+from vdoor.formats import described, read_annotations
 from vdoor.grid import OccupancyGrid, Source
 from vdoor.method.simplify import SimplifyGrid
 from vdoor.pipeline import AnyPipeline, preset_named
@@ -59,8 +59,15 @@ def run(
 
 
 def run_prepared(grid: OccupancyGrid, pipeline: AnyPipeline, *, seed: int = 0, emit: Emit = silent) -> TopologicalMap:
-    """The topological map of `grid` by a pipeline used as it is, without the robot's position from the map file."""
-    return in_own_frame(pipeline(grid, np.random.default_rng(seed), emit), grid.source)
+    """The topological map of `grid` by a pipeline used as it is, without the robot's position from the map file.
+
+    Raises MapError, with the map's name and its cells in counts, if there is nothing to divide.
+    """
+    try:
+        topology = pipeline(grid, np.random.default_rng(seed), emit)
+    except MapError as error:
+        raise MapError(f"{error}; {described(grid)}") from error
+    return in_own_frame(topology, grid.source)
 
 
 class Placed(NamedTuple):

@@ -1,13 +1,45 @@
-"""Files that get their final name only once they are complete."""
+"""Files that get their final name only once they are complete, and the one way to open a file for reading."""
 
 from __future__ import annotations
 
 import contextlib
 import os
+import stat
 from collections.abc import Iterable
 from pathlib import Path
+from typing import BinaryIO
 
 from vdoor.errors import VdoorError
+
+
+def open_regular(path: Path, wanted: str, *, error: type[VdoorError] = VdoorError) -> BinaryIO:
+    """A regular file, opened for reading; never blocks, as opening a pipe could.
+
+    Raises `error`, which says that `wanted` was wanted, if there is none or it cannot be read.
+    """
+    try:
+        number = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
+        mode = os.fstat(number).st_mode
+    except FileNotFoundError:
+        raise error(f"file: wanted {wanted}, found none: {path}") from None
+    except (OSError, ValueError) as found:  # ValueError: a path with a null byte
+        raise error(f"file: wanted {wanted}, found {getattr(found, 'strerror', None) or found}: {path}") from found
+    if stat.S_ISREG(mode):
+        return open(number, "rb", opener=None)  # noqa: PTH123  # a file descriptor, not a path
+    os.close(number)
+    raise error(f"file: wanted {wanted}, found {'a folder' if stat.S_ISDIR(mode) else 'a device or pipe'}: {path}")
+
+
+def read_regular(path: Path, wanted: str, *, limit: int, error: type[VdoorError] = VdoorError) -> bytes:
+    """The bytes of a regular file of at most `limit` bytes; raises like `open_regular`."""
+    with open_regular(path, wanted, error=error) as file:
+        try:
+            data = file.read(limit + 1) if os.fstat(file.fileno()).st_size <= limit else None
+        except OSError as found:
+            raise error(f"file: wanted {wanted}, found {found.strerror}: {path}") from found
+    if data is None or len(data) > limit:
+        raise error(f"file: wanted {wanted}, found none of at most {limit} bytes: {path}")
+    return data
 
 
 def partial_name(path: Path) -> Path:

@@ -66,7 +66,13 @@ class Running:
 
     def grid(self, path: Path) -> OccupancyGrid:
         """The map in a file."""
-        return read_grid(path, self.resolution_m, self.unknown, self.max_cells, quiet=False)
+        return read_grid(
+            path,
+            quiet=False,
+            resolution_m=self.resolution_m,
+            unknown_value=self.unknown,
+            max_cells=self.max_cells,
+        )
 
     def pipeline(self, grid: OccupancyGrid) -> AnyPipeline:
         """The prepared pipeline for a map."""

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 PIPE = "-"
 MapFile = Annotated[
-    Path, typer.Argument(metavar="MAP", help="ROS map YAML, image, .npy, Valetudo JSON or - (stdin), bag, recording.")
+    Path, typer.Argument(metavar="MAP", help="ROS map YAML, image, .npy, Valetudo JSON, bag, recording; - for stdin.")
 ]
 PRESET_HELP = "paper (as printed), default, voronoi-doors or eroded-space."
 Preset = Annotated[str, typer.Option(help=PRESET_HELP)]
@@ -28,16 +28,20 @@ Config = Annotated[Path | None, typer.Option(metavar="FILE.toml", help="Settings
 Set = Annotated[list[str] | None, typer.Option("--set", metavar="STAGE.FIELD=VALUE", help="One setting; repeatable.")]
 Resolution = Annotated[float | None, typer.Option(metavar="M", help="Cell size in metres, if the map has none.")]
 Unknown = Annotated[int | None, typer.Option(metavar="GREY", help="Read cells of this grey as unknown, such as 205.")]
+FreeBelow = Annotated[
+    float | None, typer.Option(metavar="PERCENT", help="Read cells of less occupancy as free, in place of thresholds.")
+]
+OccupiedFrom = Annotated[
+    float | None, typer.Option(metavar="PERCENT", help="Read cells of this occupancy or more as occupied.")
+]
 Topic = Annotated[str | None, typer.Option(metavar="NAME", help="Topic of the nav_msgs/OccupancyGrid in a bag.")]
 MaxCells = Annotated[int, typer.Option(metavar="N", help="Refuse maps with more cells.")]
 Force = Annotated[bool, typer.Option("--force", help="Overwrite existing files.")]
 Json = Annotated[bool, typer.Option("--json", help="Print the result as JSON.")]
 
 
-def read_grid(
-    path: Path, resolution_m: float | None, unknown: int | None, cells: int, *, topic: str | None = None, quiet: bool
-) -> OccupancyGrid:
-    """Map from a file or from stdin; the reader's warnings go to stderr."""
+def read_grid(path: Path, *, quiet: bool, **how: Any) -> OccupancyGrid:
+    """Map from a file or from stdin, with the options of `read_map`; the reader's warnings go to stderr."""
     import sys
     import warnings
 
@@ -46,15 +50,23 @@ def read_grid(
     _refuse_folder_of_maps(path)
     with warnings.catch_warnings(record=True) as notes:
         warnings.simplefilter("always")
-        if str(path) != PIPE:
-            grid = read_map(path, resolution_m=resolution_m, unknown_value=unknown, topic=topic, max_cells=cells)
-        elif topic is not None:
-            raise SettingError("--topic: wanted a bag, found a pipe")
-        else:
-            grid = read_piped(sys.stdin.buffer, resolution_m=resolution_m, unknown_value=unknown, max_cells=cells)
+        grid = read_piped(sys.stdin.buffer, **how) if str(path) == PIPE else read_map(path, **how)
     for note in () if quiet else notes:
         say(f"note: {note.message}")
     return grid
+
+
+@contextmanager
+def naming_path(path: Path, grid: OccupancyGrid) -> Iterator[None]:
+    """End errors that end with the map's stored name with its path instead."""
+    from vdoor.errors import MapError
+
+    try:
+        yield
+    except MapError as error:
+        name = grid.source.files[0][0] if grid.source.files else "map"
+        text = str(error)
+        raise MapError(f"{text.removesuffix(f': {name}')}: {path}" if text.endswith(f": {name}") else text) from error
 
 
 def _refuse_folder_of_maps(path: Path) -> None:
@@ -133,11 +145,15 @@ def place_in(frame: Frame, text: str, *, what: str, cells: bool) -> Point:
 def prepared_pipeline(pipeline: AnyPipeline, grid: OccupancyGrid, *, quiet: bool) -> AnyPipeline:
     """The pipeline that `vdoor.run` uses for this map; a robot position from the map's file is noted on stderr."""
     from vdoor.api import prepared
+    from vdoor.formats import read_annotations
 
     ready, note = prepared(pipeline, grid)
     if ready != pipeline:
         x_m, y_m = ready.simplify.robot_m
-        note = f"robot at {x_m:g},{y_m:g}, from the map's file (--robot overrides it)"
+        annotations = read_annotations(grid.source)
+        charger = annotations is not None and (x_m, y_m) == annotations.charger_m != annotations.robot_m
+        whose = "robot taken to be at its charger, at" if charger else "robot at"
+        note = f"{whose} {x_m:g},{y_m:g}, from the map's file (--robot overrides it)"
     if note and not quiet:
         say(f"note: {note}")
     return ready

@@ -14,9 +14,11 @@ from vdoor.cli.options import (
     PIPE,
     Config,
     Force,
+    FreeBelow,
     Json,
     MapFile,
     MaxCells,
+    OccupiedFrom,
     Preset,
     Resolution,
     Seed,
@@ -24,6 +26,7 @@ from vdoor.cli.options import (
     Topic,
     Unknown,
     chosen_pipeline,
+    naming_path,
     prepared_pipeline,
     read_grid,
     robot_place,
@@ -69,6 +72,8 @@ def run(
     ] = None,
     resolution: Resolution = None,
     unknown_value: Unknown = None,
+    free_below: FreeBelow = None,
+    occupied_from: OccupiedFrom = None,
     topic: Topic = None,
     max_cells: MaxCells = 100_000_000,
     connect: Annotated[str | None, typer.Option(metavar="URL", help="Stream to a running Rerun viewer.")] = None,
@@ -94,7 +99,16 @@ def run(
     written = [*outputs.files, *([out / name for name in writing.NAMES] if out else []), *exports.files]
     _refuse_outputs(written, out, [map_file, *([edits] if edits else [])], force=force)
     outputs.refuse_suffixes()
-    grid = read_grid(map_file, resolution, unknown_value, max_cells, topic=topic, quiet=quiet)
+    grid = read_grid(
+        map_file,
+        quiet=quiet,
+        resolution_m=resolution,
+        unknown_value=unknown_value,
+        free_below=free_below,
+        occupied_from=occupied_from,
+        topic=topic,
+        max_cells=max_cells,
+    )
     _refuse_sources(written, map_file, grid)
     pipeline = chosen_pipeline(preset, config, set_, robot=robot_place(grid, robot, cells=cells))
     pipeline = prepared_pipeline(pipeline, grid, quiet=quiet)
@@ -106,7 +120,8 @@ def run(
     with opened(outputs, info) as recording:
         notes = [*([] if quiet else [Progress(verbose=verbose)]), *EditNotes.sinks(pipeline, quiet=quiet)]
         watch = Stopwatch(Recorder([*recording.sinks, *exports.sinks(info), *notes]))
-        topology = run_prepared(grid, pipeline, seed=seed, emit=watch)
+        with naming_path(map_file, grid):
+            topology = run_prepared(grid, pipeline, seed=seed, emit=watch)
         recording.finish_files()
         annotations = read_annotations(grid.source)
         topology = named_by_robot(topology, annotations)

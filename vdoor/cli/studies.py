@@ -61,7 +61,7 @@ def bench(
     from vdoor.outputs import both_recordings
 
     pipeline = chosen_pipeline(preset, None, set_)
-    grids = {path.name: read_grid(path, resolution, None, 100_000_000, quiet=True) for path in maps or ()}
+    grids = {path.name: read_grid(path, quiet=True, resolution_m=resolution) for path in maps or ()}
     for report in benchmark.measured(
         grids or benchmark.own_maps(), pipeline, tile=tile, record=both_recordings if record else None
     ):
@@ -86,7 +86,7 @@ def route_bench(
     from vdoor.experiments import route_benchmark
 
     files = [file for path in maps for file in (_maps_in(path) if path.is_dir() else [path])]
-    grids = {path.name: read_grid(path, resolution, None, 100_000_000, quiet=True) for path in files}
+    grids = {path.name: read_grid(path, quiet=True, resolution_m=resolution) for path in files}
     pipeline = chosen_pipeline(preset, None, set_)
     if not as_json:
         print(route_benchmark.HEADING)
@@ -114,7 +114,7 @@ def cover_bench(
     from vdoor.experiments import cover_benchmark
 
     files = [file for path in maps for file in (_maps_in(path) if path.is_dir() else [path])]
-    grids = {path.name: read_grid(path, resolution, None, 100_000_000, quiet=True) for path in files}
+    grids = {path.name: read_grid(path, quiet=True, resolution_m=resolution) for path in files}
     pipeline = chosen_pipeline(preset, None, set_)
     cover = dataclasses.replace(pipeline.cover, radius_m=robot_radius, tool_m=tool_width)
     if not as_json:

@@ -5,30 +5,16 @@ from __future__ import annotations
 import os
 import warnings
 from collections.abc import Callable
-from dataclasses import replace
 from pathlib import Path
-from typing import BinaryIO, NamedTuple, Protocol
+from typing import BinaryIO, NamedTuple
 
 from vdoor.errors import MapError, MapWarning
-from vdoor.formats import bags, images, map_server, message, numpy_array, valetudo
-from vdoor.formats.source import MAX_CELLS, Options, Request, base_name
+from vdoor.formats import bag, images, map_server, message, notes, numpy_array, opening, valetudo
+from vdoor.formats.notes import histogram, note_cells
+from vdoor.formats.source import MAX_CELLS, Options, Request
 from vdoor.grid import Annotations, OccupancyGrid, Source
 
-__all__ = ["MAX_CELLS", "READERS", "Reader", "read_annotations", "read_map", "read_piped", "read_source"]
-
-BYTES_PER_CELL, BYTES_BESIDE = 16, 1 << 20
-"""Upper limits of all formats for the bytes per cell and for everything else; a larger file is not opened."""
-PIPE_PIECE = 1 << 20
-PIPED = ((b"{", "stdin.json"), (b"\x93NUMPY", "stdin.npy"), (b"", "stdin.pgm"))
-"""The first bytes of piped data and the file name it gets; image formats are recognised by content."""
-
-
-class Keep(Protocol):
-    """A function that opens a file too large to store, and extracts the part to store."""
-
-    def __call__(self, path: Path, options: Options, *, max_cells: int) -> Request:
-        """The request to read the extracted part; raises MapError if there is none."""
-        ...
+__all__ = ["MAX_CELLS", "READERS", "Reader", "described", "read_annotations", "read_map", "read_piped", "read_source"]
 
 
 def _no_paths(_: bytes) -> tuple[str, ...]:
@@ -50,8 +36,6 @@ class Reader(NamedTuple):
     """Returns the paths of further files that the first file refers to."""
     annotations: Callable[[Request], Annotations | None] = _no_annotations
     """Returns what the map contains besides the cells."""
-    keep: Keep | None = None
-    """Opens a file of which only a part is stored; None if the files are stored whole."""
 
 
 READERS = (
@@ -60,7 +44,7 @@ READERS = (
     Reader((".npy",), numpy_array.read),
     Reader((".json",), valetudo.read, annotations=valetudo.read_annotations),
     Reader((message.SUFFIX,), message.read),
-    Reader((".mcap", ".db3", ".bag"), bags.read, keep=bags.keep),
+    Reader(tuple(opening.BAGS), bag.read),
 )
 
 
@@ -69,6 +53,8 @@ def read_map(
     *,
     resolution_m: float | None = None,
     unknown_value: int | None = None,
+    free_below: float | None = None,
+    occupied_from: float | None = None,
     topic: str | None = None,
     max_cells: int = MAX_CELLS,
 ) -> OccupancyGrid:
@@ -77,12 +63,16 @@ def read_map(
     Parameters
     ----------
     path
-        a map; its suffix determines the format: map_server YAML, image (PGM, PNG, BMP, TIFF), .npy, Valetudo JSON, bag
-        (.mcap, .db3, .bag, or the folder of a ROS 2 bag), or a recording made by vdoor, which contains its input map
+        a map; what is inside determines the format: map_server YAML, image (PGM, PNG, BMP, TIFF), .npy, Valetudo JSON,
+        bag (.mcap, .db3, .bag, or the folder of a ROS 2 bag), or a recording made by vdoor, which contains its input
+        map; also compressed (zstd, gzip, deflate, bzip2, xz, lz4), in base64, or in a PNG's text
     resolution_m
         metres per cell, for files without a resolution (default 0.05, with a warning); an error if the file's differs
     unknown_value
         a grey value, 0 to 255, whose cells are unknown regardless of the thresholds
+    free_below, occupied_from
+        limits in per cent of occupancy, in place of the thresholds of the file or format; where a bag or array has
+        many values between free and occupied, 50 and 51 are used, with a warning
     topic
         the nav_msgs/OccupancyGrid topic to read from a bag; its last message is read
     max_cells
@@ -99,8 +89,14 @@ def read_map(
         if the file is valid but probably wrong, or something had to be assumed
 
     """
-    options = _options(resolution_m=resolution_m, unknown_value=unknown_value, topic=topic)
-    return _read(_opened(Path(path), options, max_cells=max_cells))
+    options = _options(
+        resolution_m=resolution_m,
+        unknown_value=unknown_value,
+        free_below=free_below,
+        occupied_from=occupied_from,
+        topic=topic,
+    )
+    return _read(opening.opened(Path(path), options, _formats(), max_cells=max_cells))
 
 
 def read_piped(
@@ -108,17 +104,20 @@ def read_piped(
     *,
     resolution_m: float | None = None,
     unknown_value: int | None = None,
+    free_below: float | None = None,
+    occupied_from: float | None = None,
+    topic: str | None = None,
     max_cells: int = MAX_CELLS,
 ) -> OccupancyGrid:
-    """The occupancy grid of a Valetudo map, an image or a .npy read from a pipe; otherwise like `read_map`."""
-    limit, data = _most_bytes(max_cells), bytearray()
-    while len(data) <= limit and (piece := stream.read(PIPE_PIECE)):
-        data += piece
-    name = next(name for begin, name in PIPED if data[:PIPE_PIECE].lstrip().startswith(begin))
-    if len(data) > limit:
-        raise MapError(f"file: wanted a map, found none of at most {limit} bytes: {name}")
-    options = _options(resolution_m=resolution_m, unknown_value=unknown_value)
-    return _read(Request(source=Source(((name, bytes(data)),), options), max_cells=max_cells))
+    """The occupancy grid of a map read from a pipe, of any format that is a single file; otherwise like `read_map`."""
+    options = _options(
+        resolution_m=resolution_m,
+        unknown_value=unknown_value,
+        free_below=free_below,
+        occupied_from=occupied_from,
+        topic=topic,
+    )
+    return _read(opening.piped(stream, options, _formats(), max_cells=max_cells))
 
 
 def read_source(source: Source, *, max_cells: int = MAX_CELLS) -> OccupancyGrid:
@@ -137,6 +136,21 @@ def read_annotations(source: Source, *, max_cells: int = MAX_CELLS) -> Annotatio
     return _reader(request).annotations(request)
 
 
+def described(grid: OccupancyGrid) -> str:
+    """The cells of a map in counts, the commonest greys or values, what to set if none is free, and the map's name."""
+    files = grid.source.files
+    greys = None
+    if files and (data := dict(files).get(_image_of(grid.source))):
+        greys = histogram(images.decode(data, max_cells=grid.cells.size).greys())
+    return f"{notes.described(grid.cells, greys)}: {files[0][0] if files else 'map'}"
+
+
+def _image_of(source: Source) -> str:
+    """The name of the stored image of a map; empty if it has none."""
+    suffixes = next(reader for reader in READERS if reader.read is images.read).suffixes
+    return next((name for name, _ in source.files if Path(name).suffix.lower() in suffixes), "")
+
+
 def _options(**given: float | str | None) -> Options:
     """The options that are not None."""
     return {name: value for name, value in given.items() if value is not None}
@@ -145,13 +159,14 @@ def _options(**given: float | str | None) -> Options:
 def _read(request: Request) -> OccupancyGrid:
     """The grid of a request, with its notes issued as warnings."""
     grid = _reader(request).read(request)
+    note_cells(grid.cells, request)
     for note in request.notes:
         warnings.warn(note, MapWarning, stacklevel=3)
     return grid
 
 
 def _reader(request: Request) -> Reader:
-    """The reader for a map, chosen by the suffix of its first file; raises MapError if there is none."""
+    """The reader for a map, chosen by the suffix of its first stored file; raises MapError if there is none."""
     suffix = Path(request.name).suffix.lower()
     for reader in READERS:
         if suffix in reader.suffixes:
@@ -160,48 +175,10 @@ def _reader(request: Request) -> Reader:
     raise MapError(f"map: wanted a file ending in {known}, found {suffix or 'no suffix'}: {request.path(request.name)}")
 
 
-def _opened(path: Path, options: Options, *, max_cells: int) -> Request:
-    """The request to read the map at `path`, with the bytes of all its files, the one at `path` first."""
-    name = path.name.encode(errors="surrogateescape").decode(errors="replace")  # recordings store names as UTF-8
-    bare = Request(source=Source(((name, b""),), options), max_cells=max_cells, paths={name: str(path)})
-    if os.path.isdir(path):  # noqa: PTH112  # pathlib's raises for an invalid file name
-        return bags.keep(path, options, max_cells=max_cells)
-    reader = _reader(bare)
-    if reader.keep is not None:
-        _check_file(path)
-        return reader.keep(path, options, max_cells=max_cells)
-    if "topic" in options:
-        raise MapError(f"--topic: wanted a bag, found a {Path(name).suffix}: {path}")
-    first = (name, _bytes(path, max_cells=max_cells))
-    alone = replace(bare, source=Source((first,), options))
-    with alone.naming(name):
-        further = {base_name(needed): path.parent / needed for needed in reader.needs(alone.data(name))}
-    kept = ((name, _bytes(place, max_cells=max_cells)) for name, place in further.items())
-    paths = {name: str(place) for name, place in further.items()}
-    return replace(alone, source=Source((first, *kept), options), paths=alone.paths | paths)
+def _formats() -> opening.Formats:
+    """What opening must know of the formats."""
 
+    def needs(name: str, data: bytes) -> tuple[str, ...]:
+        return next(reader for reader in READERS if Path(name).suffix.lower() in reader.suffixes).needs(data)
 
-def _most_bytes(max_cells: int) -> int:
-    """The size of the largest possible file with a map of `max_cells`."""
-    return max_cells * BYTES_PER_CELL + BYTES_BESIDE
-
-
-def _bytes(path: Path, *, max_cells: int) -> bytes:
-    """The bytes of a regular file; raises MapError if there is none, or it is too large for a map of `max_cells`."""
-    _check_file(path, _most_bytes(max_cells))
-    try:
-        return path.read_bytes()
-    except OSError as error:
-        raise MapError(f"file: wanted a map, found {error.strerror}: {path}") from error
-
-
-def _check_file(path: Path, limit: float = float("inf")) -> None:
-    """Raise MapError unless the path is a regular file of at most `limit` bytes."""
-    try:
-        if path.is_file() and path.stat().st_size <= limit:
-            return
-        found = "a folder" if path.is_dir() else "none" if not path.exists() else "a device or pipe"
-        found = f"none of at most {limit:.0f} bytes" if path.is_file() else found
-    except (OSError, ValueError) as error:  # ValueError: a path with a null byte
-        found = getattr(error, "strerror", None) or str(error)
-    raise MapError(f"file: wanted a map, found {found}: {path}")
+    return opening.Formats(frozenset(suffix for reader in READERS for suffix in reader.suffixes), needs)

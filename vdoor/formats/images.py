@@ -20,10 +20,14 @@ from vdoor.grid import OccupancyGrid
 
 FORMATS = ("PNG", "BMP", "TIFF")
 OPAQUE = 255
+GREYISH = 16
+"""Largest difference between the channels of a pixel that counts as grey."""
+BAND = 1 << 20
+"""Pixels whose colours are in memory at a time."""
 # Exceptions that Pillow is known to raise for damaged files.
 DAMAGE = (
     OSError, SyntaxError, ValueError, TypeError, LookupError, AttributeError, ArithmeticError, EOFError, MemoryError,
-    RuntimeError, struct.error, zlib.error, Image.DecompressionBombError,
+    RuntimeError, struct.error, zlib.error,
 )  # fmt: skip
 
 
@@ -39,8 +43,7 @@ def read(request: Request) -> OccupancyGrid:
 def decode(data: bytes, *, max_cells: int) -> GreyImage:
     """The image in `data` as grey values (h, w); the format is recognised by content, not by file name.
 
-    Raises MapError if it is damaged, has another format, or is larger than `max_cells`. Pillow's own limit of about
-    179 million pixels also applies, except to PGM.
+    Raises MapError if it is damaged, has another format, or is larger than `max_cells`.
     """
     if pgm.is_pgm(data):
         return pgm.decode(data, max_cells=max_cells)
@@ -54,17 +57,25 @@ def decode(data: bytes, *, max_cells: int) -> GreyImage:
 def _pillow() -> Iterator[None]:
     """Convert Pillow's exceptions to MapError, and suppress its warnings."""
     try:
-        with warnings.catch_warnings():
+        with warnings.catch_warnings(), _no_limit_of_pillow():
             warnings.simplefilter("ignore")
             yield
     except MapError:
         raise
     except UnidentifiedImageError:
         raise MapError("image: wanted PGM, PNG, BMP or TIFF, found something else") from None
-    except Image.DecompressionBombError as error:
-        raise MapError(f"image: wanted a size that Pillow accepts, found a larger one ({shown(str(error))})") from error
     except DAMAGE as error:
         raise MapError(f"image: wanted a complete file, found a damaged one ({shown(str(error))})") from error
+
+
+@contextmanager
+def _no_limit_of_pillow() -> Iterator[None]:
+    """Let `max_cells`, which is compared with the size before anything is decoded, be the only limit."""
+    most, Image.MAX_IMAGE_PIXELS = Image.MAX_IMAGE_PIXELS, None
+    try:
+        yield
+    finally:
+        Image.MAX_IMAGE_PIXELS = most
 
 
 def _grey(image: Image.Image) -> GreyImage:
@@ -77,8 +88,19 @@ def _grey(image: Image.Image) -> GreyImage:
         raise MapError(f"image: wanted 1 to 16 bits per sample, found 32 (Pillow's mode {image.mode})")
     if image.mode in ("1", "L") and not image.has_transparency_data:
         return GreyImage(samples=np.asarray(image.convert("L")))
-    channels = np.asarray(image.convert("RGBA"))
-    # ITU-R 601 luma in the integer arithmetic of GraphicsMagick, with which Nav2 reads images: greys stay exact.
-    luma = channels[..., :3].astype(np.uint32) @ np.array([306, 601, 117], np.uint32) >> 10
-    opaque = channels[..., 3] == OPAQUE
-    return GreyImage(samples=luma.astype(np.uint8), opaque=None if opaque.all() else opaque)
+    return _brightness(image)
+
+
+def _brightness(image: Image.Image) -> GreyImage:
+    """The grey values of an image in colour or with transparency, made a band of rows at a time to save memory."""
+    luma = np.empty((image.height, image.width), np.uint8)
+    opaque = np.empty(luma.shape, np.bool_)
+    coloured, rows = 0, max(1, BAND // image.width)
+    for top in range(0, image.height, rows):
+        bottom = min(top + rows, image.height)
+        channels = np.asarray(image.crop((0, top, image.width, bottom)).convert("RGBA"))
+        # ITU-R 601 luma in the integer arithmetic of GraphicsMagick, with which Nav2 reads images: greys stay exact.
+        luma[top:bottom] = channels[..., :3].astype(np.uint32) @ np.array([306, 601, 117], np.uint32) >> 10
+        opaque[top:bottom] = channels[..., 3] == OPAQUE
+        coloured += int(np.count_nonzero(np.ptp(channels[..., :3], axis=2)[opaque[top:bottom]] > GREYISH))
+    return GreyImage(samples=luma, opaque=None if opaque.all() else opaque, coloured=coloured)

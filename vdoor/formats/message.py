@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vdoor.errors import MapError, RecordingError
+from vdoor.formats.occupancy import decided
 from vdoor.formats.source import Request, agreed_resolution_m, check_size, check_values, checked_resolution_m, shown
 from vdoor.grid import OccupancyGrid
 from vdoor.recording import ros
@@ -26,14 +27,14 @@ def read(request: Request) -> OccupancyGrid:
         request.refuse_unknown_value("a message")
         message = _message(request.data(name))
         info, pose = message.info, message.info.origin
-        cells = _cells(message, max_cells=request.max_cells)
+        cells, source = decided(_cells(message, max_cells=request.max_cells), request)
         resolution_m = agreed_resolution_m(_resolution_m(info.resolution), request.resolution_m)
         x_m, y_m = pose.position.x, pose.position.y
         if not (math.isfinite(x_m) and math.isfinite(y_m)):
             raise MapError(f"origin: wanted finite coordinates, found {x_m:g}, {y_m:g}")
         yaw_rad = _yaw_rad(pose.orientation, request)
         request.note_turn(yaw_rad)
-    return OccupancyGrid.from_array(cells, resolution_m, x_m=x_m, y_m=y_m, yaw_rad=yaw_rad, source=request.source)
+    return OccupancyGrid.from_array(cells, resolution_m, x_m=x_m, y_m=y_m, yaw_rad=yaw_rad, source=source)
 
 
 def _message(data: bytes) -> Any:

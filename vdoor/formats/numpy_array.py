@@ -14,6 +14,7 @@ from numpy.lib import format as npy
 from numpy.typing import NDArray
 
 from vdoor.errors import MapError
+from vdoor.formats.occupancy import decided
 from vdoor.formats.source import Request, check_size, check_values
 from vdoor.grid import OccupancyGrid
 
@@ -32,8 +33,8 @@ def read(request: Request) -> OccupancyGrid:
     name = request.name
     with request.naming(name):
         request.refuse_unknown_value("an array")
-        cells = decode(request.data(name), max_cells=request.max_cells)
-        return OccupancyGrid.from_array(cells, request.resolution_or_default_m(name), source=request.source)
+        cells, source = decided(decode(request.data(name), max_cells=request.max_cells), request)
+        return OccupancyGrid.from_array(cells, request.resolution_or_default_m(name), source=source)
 
 
 def decode(data: bytes, *, max_cells: int) -> NDArray[np.int8]:

@@ -11,12 +11,13 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from vdoor.formats import notes
+from vdoor.formats.levels import LIKELIER, Levels
+from vdoor.formats.notes import USUAL_UNKNOWN
 from vdoor.formats.source import GREYS, Request
-from vdoor.grid import FREE, OCCUPIED, UNKNOWN
+from vdoor.grid import FREE, OCCUPIED, UNKNOWN, Source
 
 Mode = Literal["trinary", "scale", "raw"]
-USUAL_UNKNOWN = 205
-"""The grey value that map savers write for unknown cells."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -29,6 +30,10 @@ class GreyImage:
     """The sample value of white."""
     opaque: NDArray[np.bool_] | None = None
     """Whether alpha is full (h, w); None = everywhere."""
+    coloured: int = 0
+    """Number of pixels that have a colour."""
+    remark: str = ""
+    """What is odd about the file, though it could be read; empty if nothing."""
 
     def greys(self) -> NDArray[np.uint8]:
         """Grey values (h, w) from 0 black to 255 white, rounded down: 16-bit samples are divided by 257."""
@@ -71,19 +76,74 @@ class Rule:
 
 
 def cells_from_image(image: GreyImage, rule: Rule, *, request: Request, name: str) -> NDArray[np.int8]:
-    """The occupancy (h, w) int8 of an image; adds a note if the rule reads probably unknown cells as free."""
+    """The occupancy (h, w) int8 of an image; adds notes if that is probably not what was meant.
+
+    Limits of free and occupied that the user gave take the place of the rule's thresholds: of darkness, and in raw mode
+    of the grey itself.
+    """
+    levels = request.levels(Levels(rule.free_thresh * OCCUPIED, rule.occupied_thresh * OCCUPIED))
+    if levels is not None and rule.mode != "raw":
+        rule = _with_levels(rule, levels)
     greys = image.raw() if rule.mode == "raw" else image.greys()
     table = rule.table()
+    if levels is not None and rule.mode == "raw":
+        table = levels.of(table)
     if request.unknown_value is not None:
         table[request.unknown_value] = UNKNOWN
-    if rule.mode != "raw" and table[USUAL_UNKNOWN] == FREE and (count := np.count_nonzero(greys == USUAL_UNKNOWN)):
-        request.note(
-            f"grey {USUAL_UNKNOWN}, which map savers write for unknown, is read as free in {count} cells in mode "
-            f"{rule.mode} with free_thresh {rule.free_thresh:g} (--unknown-value {USUAL_UNKNOWN} keeps it unknown)",
-            name,
-        )
+    _note(image, greys, table, rule, request=request, name=name)
     # Byte by byte: indexing the table would first convert each grey to an index of eight bytes.
     cells = np.frombuffer(greys.tobytes().translate(table.tobytes()), np.int8).reshape(greys.shape)
     if image.opaque is None or rule.mode == "raw":
         return cells
     return np.where(image.opaque, cells, np.int8(UNKNOWN))
+
+
+def decided(values: NDArray[np.int8], request: Request) -> tuple[NDArray[np.int8], Source]:
+    """The occupancy (h, w) of values that a program wrote, and the source with the limits that were used.
+
+    Probabilities are read by what is likelier, with a note; limits that the user gave are used as they are.
+    """
+    levels = request.levels()
+    if levels is None:
+        counts = notes.histogram(values)
+        if not notes.is_continuous(counts):
+            return values, request.source
+        notes.note_likelier(counts, request)
+        levels = LIKELIER
+    return levels.of(values), request.with_levels(levels)
+
+
+def _with_levels(rule: Rule, levels: Levels) -> Rule:
+    """The rule with limits of darkness in per cent; below `free_below` is free, so the threshold is the next number."""
+    return Rule(
+        negate=rule.negate,
+        free_thresh=float(np.nextafter(np.float32(levels.free_below / OCCUPIED), np.float32(-1))),
+        occupied_thresh=levels.occupied_from / OCCUPIED,
+    )
+
+
+def _note(
+    image: GreyImage, greys: NDArray[np.uint8], table: NDArray[np.int8], rule: Rule, *, request: Request, name: str
+) -> None:
+    """Add notes on what an image loses by the way in which it is read."""
+    counts = notes.histogram(greys)
+    if image.remark:
+        request.note(image.remark, name)
+    notes.note_colours(image.coloured, greys.size, request)
+    if rule.mode != "raw" and table[USUAL_UNKNOWN] == FREE and (count := counts[USUAL_UNKNOWN]):
+        request.note(
+            f"grey {USUAL_UNKNOWN}, which map savers write for unknown, is read as free in {count} cells in mode "
+            f"{rule.mode} with free_thresh {rule.free_thresh:g} (--unknown-value {USUAL_UNKNOWN} keeps it unknown)",
+            name,
+        )
+    if rule.mode == "raw":
+        notes.note_raw(counts, request)
+    if rule.mode == "trinary":
+        notes.note_greys(counts, table, request.unknown_value, request)
+    else:
+        notes.note_undecided(_values(counts, table), rule.mode, request)
+
+
+def _values(counts: NDArray[np.int64], table: NDArray[np.int8]) -> NDArray[np.int64]:
+    """Number of cells of each occupancy (256,), unknown last, from the numbers of each grey."""
+    return np.bincount(table.view(np.uint8), counts, minlength=GREYS).astype(np.int64)

@@ -35,9 +35,24 @@ def decode(data: bytes, *, max_cells: int) -> GreyImage:
     check_size(height, width, max_cells=max_cells)
     if not 1 <= maxval <= MAX_MAXVAL:
         raise MapError(f"PGM header: wanted a largest value of 1 to {MAX_MAXVAL}, found {maxval}")
-    parse = _plain if header[1] == b"2" else _binary
-    samples = parse(data, header.end(), count=height * width, wide=maxval > np.iinfo(np.uint8).max)
-    return GreyImage(samples=samples.reshape(height, width), maxval=maxval)
+    wide = maxval > np.iinfo(np.uint8).max
+    if header[1] == b"2":
+        samples, remark = _plain(data, header.end(), count=height * width, wide=wide), ""
+    else:
+        begin, remark = _start(data, header.end(), size=height * width * (2 if wide else 1))
+        samples = _binary(data, begin, count=height * width, wide=wide)
+    return GreyImage(samples=samples.reshape(height, width), maxval=maxval, remark=remark)
+
+
+def _start(data: bytes, end: int, *, size: int) -> tuple[int, str]:
+    """The first byte of the samples behind a header that ends at `end`, and what is odd about it.
+
+    One character ends the header. Two, as Windows ends lines, would shift all samples by one and leave one byte over.
+    """
+    left = len(data) - end - size
+    if left == 1 and data[end - 1 : end + 1] == b"\r\n":
+        return end + 1, "PGM: the header's last line ends in CR LF, reading the samples from behind both"
+    return end, f"PGM: {left} bytes left over behind the samples" if left > 0 else ""
 
 
 def _binary(data: bytes, start: int, *, count: int, wide: bool) -> NDArray[np.uint8] | NDArray[np.uint16]:

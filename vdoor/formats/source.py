@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vdoor.errors import MapError
+from vdoor.formats.levels import NAV2, Levels, checked_levels
 from vdoor.grid import OCCUPIED, UNKNOWN, Source
 
 Options = dict[str, float | int | str]
@@ -82,6 +83,26 @@ class Request:
         """Raise MapError if a grey value is given for a format without greys; `what` is the format's name."""
         if self.unknown_value is not None:
             raise MapError(f"unknown value: wanted none for {what}, which marks its unknown cells, found one")
+
+    def levels(self, default: Levels = NAV2) -> Levels | None:
+        """The user's limits of free and occupied, one that is not given as in `default`; None if none is given.
+
+        Raises MapError if they are invalid.
+        """
+        given = self.source.options
+        return checked_levels(given.get("free_below"), given.get("occupied_from"), default)
+
+    def refuse_levels(self, what: str) -> None:
+        """Raise MapError if limits of free and occupied are given for a format whose cells are one or the other."""
+        if self.levels() is not None:
+            raise MapError(
+                f"free below, occupied from: wanted none for {what}, whose cells say what they are, found one"
+            )
+
+    def with_levels(self, levels: Levels) -> Source:
+        """The source with limits of free and occupied, so that it is read with the same ones again."""
+        chosen: Options = {"free_below": levels.free_below, "occupied_from": levels.occupied_from}
+        return Source(self.source.files, self.source.options | chosen)
 
     def note_turn(self, yaw_rad: float) -> None:
         """Add a note if the map is rotated in its frame."""

@@ -42,6 +42,7 @@ def read(request: Request) -> OccupancyGrid:
     name = request.name
     with request.naming(name):
         request.refuse_unknown_value("a Valetudo map")
+        request.refuse_levels("a Valetudo map")
         home = parse(request.data(name))
         resolution_m = agreed_resolution_m(checked_resolution_m(home.cell_cm / CM_PER_M), request.resolution_m)
         cells = _cells(home, _crop(home, max_cells=request.max_cells))

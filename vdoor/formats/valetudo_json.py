@@ -24,6 +24,8 @@ FEWEST_POINTS = {"robot_position": 1, "charger_location": 1, "virtual_wall": 2, 
 MAX_BYTES = 1 << 24
 """50 times the size of the largest map seen."""
 MOST_LAYERS = 10_000
+DEEPEST, MOST_KEYS = 4, 100
+"""Levels of tables in which a map is looked for, and keys of each."""
 LARGEST_CM = 1_000_000
 
 
@@ -64,6 +66,18 @@ def is_valetudo(table: object) -> bool:
     return isinstance(table, dict) and "layers" in table and "pixelSize" in table
 
 
+def map_within(table: object) -> object:
+    """The map in a robot's whole state, where it lies under ``map`` or deeper; anything else as it is."""
+    level = [table]
+    for _ in range(DEEPEST):
+        for one in level:
+            if is_valetudo(one):
+                return one
+        tables = [one for one in level if isinstance(one, dict)]
+        level = [inner for one in tables for inner in list(one.values())[:MOST_KEYS] if isinstance(inner, dict)]
+    return table
+
+
 def parse(data: bytes) -> Home:
     """The content of a map; raises MapError naming the missing or invalid key."""
     if len(data) > MAX_BYTES:
@@ -76,12 +90,16 @@ def parse(data: bytes) -> Home:
 
 
 def home_of(table: object) -> Home:
-    """The content of a map already parsed as JSON; raises the same errors as `parse`."""
+    """The content of a map, or of a state with a map, already parsed as JSON; raises the same errors as `parse`."""
+    table = map_within(table)
     if not isinstance(table, dict):
         raise MapError(f"JSON: wanted a Valetudo map, found {shown(table)}")
     version = _value(_value(table, "metaData", dict), "version", place="metaData.")
     if isinstance(version, bool) or version not in VERSIONS:
         raise MapError(f"metaData.version: wanted {' or '.join(map(str, VERSIONS))}, found {shown(version)}")
+    if table["metaData"].get("defaultMap"):
+        raise MapError("metaData.defaultMap: wanted a map that the robot made, found the placeholder of a robot that has "
+                       "none (let it map the home first)")  # fmt: skip
     cell_cm = _positive(_value(table, "pixelSize"), "pixelSize")
     size = _value(table, "size", dict)
     # The size is in centimetres in all files seen; the limit is also safe if a file gives it in cells.
@@ -91,7 +109,7 @@ def home_of(table: object) -> Home:
         raise MapError(f"layers: wanted at most {MOST_LAYERS}, found {len(tables)}")
     layers = [_layer(layer, f"layers[{at}]", sides) for at, layer in enumerate(tables)]
     if not any(len(layer.runs) for layer in layers):
-        raise MapError("layers: wanted at least one cell, found none")
+        raise MapError("layers: wanted at least one cell, found none (the robot has no map yet)")
     entities = [_entity(entity, f"entities[{at}]") for at, entity in enumerate(_value(table, "entities", list))]
     return Home(cell_cm=cell_cm, layers=layers, entities=[entity for entity in entities if entity is not None])
 
