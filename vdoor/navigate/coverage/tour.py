@@ -14,10 +14,10 @@ Ints = NDArray[np.intp]
 Floats = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
-MOST_MOVES = 2_000
-"""Largest number of improvements."""
-NEAREST = 24
-"""Moves are tried that bring a piece beside one of so many of its nearest."""
+MOST_ROUNDS = 1_000
+"""Largest number of rounds of improvements."""
+NEAREST, LEAST_NEAREST, MOST_PAIRS = 24, 10, 12_000
+"""Moves are tried that bring a piece beside one of so many of its nearest, fewer in a tour of very many pieces."""
 LONGEST_MOVED = 3
 """Largest number of pieces that are moved together."""
 EPSILON = 1e-6
@@ -92,12 +92,12 @@ def tour_of(distance: Floats, piece: Ints, start: int, end: int | None) -> Tour:
         return Tour(tour.enter[:-1], tour.leave[:-1], tour.piece[:-1])
     tour = _nearest_first(distance, piece, start, end)
     near = _neighbours(distance, piece, start, end)
-    for _ in range(MOST_MOVES):
-        tried = _tried(tour, near)
-        saved = tried.saved(distance, tour)
-        if not len(saved) or saved.max() < EPSILON:
+    for _ in range(MOST_ROUNDS):
+        moves = _best_apart(_tried(tour, near), distance, tour)
+        for move in moves:
+            tour = tour.changed(move)
+        if not moves:
             break
-        tour = tour.changed(tried.move(int(saved.argmax())))
     return tour
 
 
@@ -127,7 +127,8 @@ def _neighbours(distance: Floats, piece: Ints, start: int, end: int) -> Ints:
     apart = np.minimum(apart, distance[np.ix_(all_ends[:, 1], all_ends.reshape(-1))])
     apart = apart.reshape(len(all_ends), len(all_ends), 2).min(axis=2)
     np.fill_diagonal(apart, np.inf)
-    count = min(NEAREST, len(all_ends) - 1)
+    near_enough = int(np.clip(MOST_PAIRS // len(all_ends), LEAST_NEAREST, NEAREST))
+    count = min(near_enough, len(all_ends) - 1)
     near = np.argsort(apart, axis=1, kind="stable")[:, :count]
     pair = np.sort(np.stack([np.repeat(np.arange(len(all_ends)), count), near.reshape(-1)], axis=1), axis=1)
     return np.unique(pair, axis=0)
@@ -146,6 +147,21 @@ def _tried(tour: Tour, near: Ints) -> Moves:
     possible &= (after < first) | (after > last)
     possible &= (after != first - 1) | backwards
     return Moves(first[possible], last[possible], after[possible], backwards[possible])
+
+
+def _best_apart(tried: Moves, distance: Floats, tour: Tour) -> list[Move]:
+    """The moves that save most and change different stretches of the tour, so that each saves what it saves alone."""
+    saved = tried.saved(distance, tour)
+    low = np.minimum(tried.first - 1, tried.after)
+    high = np.maximum(tried.last, tried.after) + 1
+    better = np.flatnonzero(saved > EPSILON)
+    used = np.zeros(len(tour.piece), np.bool_)
+    found = []
+    for row in better[np.argsort(-saved[better], kind="stable")].tolist():
+        if not used[low[row] : high[row] + 1].any():
+            used[low[row] : high[row] + 1] = True
+            found.append(tried.move(row))
+    return found
 
 
 def _stretches(one: Ints, other: Ints) -> Iterator[tuple[Ints, Ints, Ints, bool]]:
