@@ -11,6 +11,7 @@ from vdoor.errors import SettingError, say
 
 if TYPE_CHECKING:
     from vdoor.editing.places import Point
+    from vdoor.formats.source import UnknownValue
     from vdoor.frame import Frame
     from vdoor.grid import OccupancyGrid
     from vdoor.pipeline import AnyPipeline
@@ -25,7 +26,10 @@ Seed = Annotated[int, typer.Option(min=0, help="Random seed.")]
 Config = Annotated[Path | None, typer.Option(metavar="FILE.toml", help="Settings file, see `vdoor config`.")]
 Set = Annotated[list[str] | None, typer.Option("--set", metavar="STAGE.FIELD=VALUE", help="One setting; repeatable.")]
 Resolution = Annotated[float | None, typer.Option(metavar="M", help="Cell size in metres, if the map has none.")]
-Unknown = Annotated[int | None, typer.Option(metavar="GREY", help="Read cells of this grey as unknown, such as 205.")]
+Unknown = Annotated[
+    str | None,
+    typer.Option(metavar="GREY", help="Read cells of this grey as unknown, such as 205; none: only as the YAML says."),
+]
 Topic = Annotated[str | None, typer.Option(metavar="NAME", help="Topic of the nav_msgs/OccupancyGrid in a bag.")]
 MaxCells = Annotated[int, typer.Option(metavar="N", help="Refuse maps with more cells.")]
 Force = Annotated[bool, typer.Option("--force", help="Overwrite existing files.")]
@@ -33,7 +37,7 @@ Json = Annotated[bool, typer.Option("--json", help="Print the result as JSON.")]
 
 
 def read_grid(
-    path: Path, resolution_m: float | None, unknown: int | None, cells: int, *, topic: str | None = None, quiet: bool
+    path: Path, resolution_m: float | None, unknown: str | None, cells: int, *, topic: str | None = None, quiet: bool
 ) -> OccupancyGrid:
     """Map from a file or from stdin; the reader's warnings go to stderr."""
     import sys
@@ -41,17 +45,28 @@ def read_grid(
 
     from vdoor.formats import read_map, read_piped
 
+    grey = grey_or_none(unknown)
     with warnings.catch_warnings(record=True) as notes:
         warnings.simplefilter("always")
         if str(path) != PIPE:
-            grid = read_map(path, resolution_m=resolution_m, unknown_value=unknown, topic=topic, max_cells=cells)
+            grid = read_map(path, resolution_m=resolution_m, unknown_value=grey, topic=topic, max_cells=cells)
         elif topic is not None:
             raise SettingError("--topic: wanted a bag, found a pipe")
         else:
-            grid = read_piped(sys.stdin.buffer, resolution_m=resolution_m, unknown_value=unknown, max_cells=cells)
+            grid = read_piped(sys.stdin.buffer, resolution_m=resolution_m, unknown_value=grey, max_cells=cells)
     for note in () if quiet else notes:
         say(f"note: {note.message}")
     return grid
+
+
+def grey_or_none(text: str | None) -> UnknownValue:
+    """The value of --unknown-value; raises SettingError if it is neither a whole number nor the word none."""
+    if text is None or text == "none":
+        return text
+    try:
+        return int(text)
+    except ValueError:
+        raise SettingError(f"--unknown-value: wanted a grey from 0 to 255, or none, found {text!r}") from None
 
 
 def chosen_pipeline(

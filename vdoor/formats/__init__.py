@@ -11,7 +11,7 @@ from typing import BinaryIO, NamedTuple, Protocol
 
 from vdoor.errors import MapError, MapWarning
 from vdoor.formats import bags, images, map_server, message, numpy_array, valetudo
-from vdoor.formats.source import MAX_CELLS, Options, Request, base_name
+from vdoor.formats.source import MAX_CELLS, Options, Request, UnknownValue, base_name
 from vdoor.grid import Annotations, OccupancyGrid, Source
 
 __all__ = ["MAX_CELLS", "READERS", "Reader", "read_annotations", "read_map", "read_piped", "read_source"]
@@ -68,7 +68,7 @@ def read_map(
     path: str | os.PathLike[str],
     *,
     resolution_m: float | None = None,
-    unknown_value: int | None = None,
+    unknown_value: UnknownValue = None,
     topic: str | None = None,
     max_cells: int = MAX_CELLS,
 ) -> OccupancyGrid:
@@ -82,7 +82,8 @@ def read_map(
     resolution_m
         metres per cell, for files without a resolution (default 0.05, with a warning); an error if the file's differs
     unknown_value
-        a grey value, 0 to 255, whose cells are unknown regardless of the thresholds
+        a grey value, 0 to 255, whose cells are unknown regardless of the thresholds; "none" for no such value. If not
+        given, 205 is unknown in trinary images that look as map savers write them: 0, 205 and 254
     topic
         the nav_msgs/OccupancyGrid topic to read from a bag; its last message is read
     max_cells
@@ -107,7 +108,7 @@ def read_piped(
     stream: BinaryIO,
     *,
     resolution_m: float | None = None,
-    unknown_value: int | None = None,
+    unknown_value: UnknownValue = None,
     max_cells: int = MAX_CELLS,
 ) -> OccupancyGrid:
     """The occupancy grid of a Valetudo map, an image or a .npy read from a pipe; otherwise like `read_map`."""

@@ -17,6 +17,10 @@ from vdoor.grid import FREE, OCCUPIED, UNKNOWN
 Mode = Literal["trinary", "scale", "raw"]
 USUAL_UNKNOWN = 205
 """The grey value that map savers write for unknown cells."""
+SAVED_FREE = 254
+"""The grey value that they write for free cells."""
+SAVED, SAVED_SHARE = (0, USUAL_UNKNOWN, SAVED_FREE), 0.9
+"""The greys of saved maps, and the smallest share of cells with one of them for a map to count as saved."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -71,19 +75,49 @@ class Rule:
 
 
 def cells_from_image(image: GreyImage, rule: Rule, *, request: Request, name: str) -> NDArray[np.int8]:
-    """The occupancy (h, w) int8 of an image; adds a note if the rule reads probably unknown cells as free."""
+    """The occupancy (h, w) int8 of an image; adds a note if grey 205 is read otherwise than the rule says, or as free.
+
+    A map saver's 205 is unknown, unless the request has a value of its own.
+    """
     greys = image.raw() if rule.mode == "raw" else image.greys()
     table = rule.table()
-    if request.unknown_value is not None:
+    if isinstance(request.unknown_value, int):
         table[request.unknown_value] = UNKNOWN
-    if rule.mode != "raw" and table[USUAL_UNKNOWN] == FREE and (count := np.count_nonzero(greys == USUAL_UNKNOWN)):
-        request.note(
-            f"grey {USUAL_UNKNOWN}, which map savers write for unknown, is read as free in {count} cells in mode "
-            f"{rule.mode} with free_thresh {rule.free_thresh:g} (--unknown-value {USUAL_UNKNOWN} keeps it unknown)",
-            name,
-        )
+    if rule.mode != "raw" and table[USUAL_UNKNOWN] == FREE:
+        count = np.bincount(greys.reshape(-1), minlength=GREYS)
+        if request.unknown_value is None and rule.mode == "trinary" and saved(count):
+            table[USUAL_UNKNOWN] = UNKNOWN
+        _note_usual_unknown(int(count[USUAL_UNKNOWN]), table, rule, request=request, name=name)
     # Byte by byte: indexing the table would first convert each grey to an index of eight bytes.
     cells = np.frombuffer(greys.tobytes().translate(table.tobytes()), np.int8).reshape(greys.shape)
     if image.opaque is None or rule.mode == "raw":
         return cells
     return np.where(image.opaque, cells, np.int8(UNKNOWN))
+
+
+def saved(count: NDArray[np.intp]) -> bool:
+    """Whether an image with so many cells of each grey (256,) looks as map savers write it: 0, 205 and 254.
+
+    Some cells may have other greys, as after editing by hand.
+    """
+    known = count[list(SAVED)].sum()
+    return bool(count[USUAL_UNKNOWN] and count[SAVED_FREE] and known >= SAVED_SHARE * count.sum())
+
+
+def _note_usual_unknown(count: int, table: NDArray[np.int8], rule: Rule, *, request: Request, name: str) -> None:
+    """Add a note on how the `count` cells of grey 205 are read."""
+    if not count:
+        return
+    threshold = f"free_thresh {rule.free_thresh:g}"
+    if table[USUAL_UNKNOWN] == FREE:
+        request.note(
+            f"grey {USUAL_UNKNOWN}, which map savers write for unknown, is read as free in {count} cells in mode "
+            f"{rule.mode} with {threshold} (--unknown-value {USUAL_UNKNOWN} keeps it unknown)",
+            name,
+        )
+    else:
+        request.note(
+            f"grey {USUAL_UNKNOWN}, which map savers write for unknown, is read as unknown in {count} cells despite "
+            f"{threshold} (--unknown-value none reads it as free)",
+            name,
+        )
