@@ -61,8 +61,10 @@ def read_grid(
 
 def grey_or_none(text: str | None) -> UnknownValue:
     """The value of --unknown-value; raises SettingError if it is neither a whole number nor the word none."""
-    if text is None or text == "none":
-        return text
+    if text is None:
+        return None
+    if text == "none":
+        return "none"
     try:
         return int(text)
     except ValueError:

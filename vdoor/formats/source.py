@@ -74,7 +74,7 @@ class Request:
 
     @property
     def unknown_value(self) -> UnknownValue:
-        """The grey value for unknown cells, 0 to 255, "none", or None if not given; raises MapError if it is invalid."""
+        """The grey value for unknown cells, 0 to 255, or "none"; None if not given. Raises MapError if invalid."""
         given = self.source.options.get("unknown_value")
         if given is None or given == "none":
             return None if given is None else "none"
