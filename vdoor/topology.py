@@ -16,7 +16,7 @@ from vdoor.frame import Frame
 from vdoor.raster.runs import runs_of
 from vdoor.record import Record, Spec
 
-KINDS = ("pair", "single", "passage", "extension", "added")
+KINDS = ("pair", "single", "passage", "extension", "added", "sill")
 """Kinds of doors, explained at `Door.kind`."""
 Ring = tuple[tuple[float, float], ...]
 Polygon = tuple[Ring, ...]
@@ -67,7 +67,8 @@ class Door:
     tilt_deg: float
     """Angle to the nearer axis of the grid."""
     kind: str
-    """pair, single, extension, passage (too narrow for the working resolution), or added (by an edit)."""
+    """pair, single, extension, passage (too narrow for the working resolution), added (by an edit), or sill (the floor
+    of the doorway is unknown)."""
 
 
 class TopologicalMap(Record):

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from vdoor.config import Within
 from vdoor.frame import Frame
 from vdoor.grid import FREE, OccupancyGrid
-from vdoor.method.final_doors import Doors, door_rows, matched_to_contacts
+from vdoor.method.final_doors import SILL, Doors, door_rows, matched_to_contacts, on_sill
 from vdoor.method.initial_map import InitialMap
 from vdoor.method.search.generation import Generation
 from vdoor.method.search.incremental import FlipState
@@ -60,6 +60,7 @@ class MergeRooms:
             labels = flooded(labels, grid.free)
         labels, number = numbered(labels, int(room_of_piece.max()))
         doors = door_rows(initial, rows, number)
+        doors = doors._replace(kind=np.where(on_sill(doors, initial, simplified), SILL, doors.kind))
         if self.passages:
             doors = matched_to_contacts(labels, doors, simplified, grid.frame)
 

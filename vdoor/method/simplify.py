@@ -106,7 +106,8 @@ class SimplifyGrid:
             thin = thin_unknown(
                 before, *(max(1, round(size / frame.resolution_m)) for size in (self.thin_unknown_m, THIN_LONG_M))
             )
-        sill = self._sills(before, known_free | thin, frame)
+        sill = self._sills(before, known_free, frame)
+        thin &= ~sill
         free = self._reachable(known_free | thin | sill, frame)
         reason[(known_free | thin) & ~free] = REASONS.index("unreachable")
         reason[sill & free] = REASONS.index("sill")
