@@ -90,7 +90,7 @@ def sills(cells: NDArray[np.int8], part: Ints, thick: int, least: float) -> Mask
     unknown = cells == UNKNOWN
     found = np.zeros(cells.shape, np.bool_)
     for strip, gap, label in ((found, unknown, part), (found.T, unknown.T, part.T)):
-        for size in range(1, thick + 1):
+        for size in range(1, min(thick, len(label) - 2) + 1):
             before, after = label[: -size - 1], label[size + 1 :]
             inner = [gap[1 + step : len(gap) - size + step] for step in range(size)]
             across = np.logical_and.reduce([(before > 0) & (after > 0) & (before != after), *inner])
