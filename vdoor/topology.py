@@ -18,7 +18,7 @@ from vdoor.record import Record, Spec
 if TYPE_CHECKING:
     import networkx as nx
 
-KINDS = ("pair", "single", "passage", "extension", "added")
+KINDS = ("pair", "single", "passage", "extension", "added", "sill")
 """Kinds of doors, explained at `Door.kind`."""
 Ring = tuple[tuple[float, float], ...]
 Polygon = tuple[Ring, ...]
@@ -69,7 +69,8 @@ class Door:
     tilt_deg: float
     """Angle to the nearer axis of the grid."""
     kind: str
-    """pair, single, extension, passage (too narrow for the working resolution), or added (by an edit)."""
+    """pair, single, extension, passage (too narrow for the working resolution), added (by an edit), or sill (the floor
+    of the doorway is unknown)."""
 
 
 class TopologicalMap(Record):

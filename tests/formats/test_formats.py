@@ -279,6 +279,24 @@ def test_unknown_cells_read_as_free_are_warned_of_and_can_be_kept_unknown(tmp_pa
     assert read_map(path, unknown_value=205).cells.tolist() == [[100, -1, -1, 0, 0]]
 
 
+@pytest.mark.parametrize(("edited", "unknown"), [(0, True), (1, True), (2, False)])
+def test_grey_205_of_a_saved_map_is_unknown_whatever_its_threshold(tmp_path: Path, edited: int, unknown: bool) -> None:
+    write_pgm(tmp_path, [[0, 205, 205, *[254] * (7 - edited), *[128] * edited]])
+    path = write_yaml(tmp_path, free_thresh="0.25")
+    read_as = "unknown in 2 cells despite free_thresh 0.25 .*--unknown-value none" if unknown else "free in 2 cells"
+    with pytest.warns(MapWarning, match=f"205.* is read as {read_as}") as notes:
+        assert read_map(path).cells[0, 1:3].tolist() == [-1 if unknown else 0] * 2
+    assert len(notes) == 1
+
+
+def test_the_threshold_decides_if_the_user_says_so_and_in_scale_mode(tmp_path: Path) -> None:
+    write_pgm(tmp_path, [[0, 205, 254]])
+    with pytest.warns(MapWarning, match="is read as free in 1 cells"):
+        assert read_map(write_yaml(tmp_path, free_thresh="0.25"), unknown_value="none").cells.tolist() == [[100, 0, 0]]
+    with pytest.warns(MapWarning, match="is read as free in 1 cells in mode scale"):
+        assert read_map(write_yaml(tmp_path, free_thresh="0.25", mode="scale")).cells.tolist() == [[100, 0, 0]]
+
+
 def test_scale_rounds_grey_205_down_to_free_and_is_warned_of(tmp_path: Path) -> None:
     with pytest.warns(MapWarning, match="is read as free in 1 cells in mode scale with free_thresh 0.196"):
         assert cells_of(tmp_path, [[205]], mode="scale") == [[0]]

@@ -118,7 +118,7 @@ def test_a_resolution_no_map_can_have(value: Any) -> None:
     refused(one("map.pgm", PGM, resolution_m=value), "resolution: wanted 0.0001 to 100 m per cell")
 
 
-@pytest.mark.parametrize("value", [-1, 256, 2.5, "205", True])
+@pytest.mark.parametrize("value", [-1, 256, 2.5, "205", "None", True])
 def test_an_unknown_value_that_is_no_grey(value: Any) -> None:
     refused(one("map.pgm", PGM, unknown_value=value), "unknown value: wanted a whole number from 0 to 255")
 

@@ -203,7 +203,7 @@ def problem_of_home(seed: int) -> MergeProblem:
     return MergeProblem(found[InitialMap], DEFAULT.cost, found[DoorScores])
 
 
-@pytest.mark.parametrize("seed", [8, 15, 18, 21, 30, 31, 40])
+@pytest.mark.parametrize("seed", [8, 15, 23, 24, 28, 29, 30])
 def test_the_search_finds_the_optimum_and_the_bound_lies_below_it(seed: int) -> None:
     problem = problem_of_home(seed)
     assert 8 <= problem.edges <= MOST_DOORS  # so many that every choice can be tried
@@ -376,7 +376,7 @@ def test_shut_rooms_are_kept_and_hollow_furniture_is_not() -> None:
     cells = np.full((100, 140), 100, np.int8)
     cells[2:98, 2:80] = FREE
     cells[2:50, 84:138] = FREE  # 2.4 by 2.7 m behind a shut door
-    cells[60:70, 84:138] = FREE  # 0.5 by 2.7 m
+    cells[60:69, 84:138] = FREE  # 0.45 by 2.7 m
     kept = SimplifyGrid(cell_m=0.0, least_part_m2=1.0)(OccupancyGrid.from_array(cells, CELL_M)).cells == FREE
     assert kept[10, 100]
     assert not kept[65, 100]

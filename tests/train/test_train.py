@@ -11,7 +11,7 @@ from commands import call
 from project import FLAT
 
 from vdoor.method.scoring.features import FEATURES, FIRST
-from vdoor.method.scoring.model import Curve, Curves, DoorModel, Rough, model_named, table_of
+from vdoor.method.scoring.model import Curve, Curves, DoorModel, Rough, model_named, table_of, wide_log_odds
 from vdoor.pipeline import Pipeline
 from vdoor.synth import PRESETS, synthesize, write_synthetic
 from vdoor.train import RealDoors, default_pipeline, fitted_model, labelled_maps, mean_of, synthetic_maps
@@ -76,7 +76,7 @@ def test_the_fit_finds_what_is_there_in_clean_and_ragged_maps() -> None:
 def test_a_feature_for_clean_maps_alone_says_nothing_of_ragged_ones() -> None:
     data = [toy(0, 0.2, 1.0), toy(1, 2.5, 1.0)]
     curves = fitted(data, FIRST, clean_only=FIRST[:1], smooth=0.1, ridge=0.1)
-    feature = np.random.default_rng(2).random((500, len(FIRST)))
+    feature = 0.9 * np.random.default_rng(2).random((500, len(FIRST)))  # no door too long for a home
     assert np.abs(curves.says(feature, 0.0)[:, 0]).mean() > 1
     assert (curves.says(feature, 1.0)[:, 0] == 0).all()
 
@@ -123,3 +123,8 @@ def test_the_command_writes_curves_that_a_run_can_use(tmp_path: Path) -> None:
     assert table_of(model_named(str(curves))) == table_of(mean_of(rounds, made))
     assert call("train", "-o", curves, "--homes", "1", code=2).stdout == ""
     call("run", FLAT, "-q", "--set", f"score.model={curves}")
+
+
+@pytest.mark.parametrize(("share_rough", "against"), [(0.5, 0.0), (0.75, 2.2), (1.0, 2.2)])
+def test_a_long_door_is_less_likely_on_maps_as_rough_as_homes(share_rough: float, against: float) -> None:
+    assert wide_log_odds(np.array([0.9, 1.2]), share_rough).tolist() == [0.0, -against]

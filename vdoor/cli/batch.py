@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from vdoor.cli.options import Config, Force, Preset, Resolution, Seed, Set, Unknown, chosen_pipeline
+from vdoor.cli.options import Config, Force, Preset, Resolution, Seed, Set, Unknown, chosen_pipeline, grey_or_none
 from vdoor.config import DEFAULT_PRESET
 from vdoor.errors import say
 
@@ -47,7 +47,7 @@ def batch(
 
     refuse_folder(out)
     settings = settings_of(chosen_pipeline(preset, config, set_), METHODS)
-    given = {"resolution_m": resolution, "unknown_value": unknown_value}
+    given = {"resolution_m": resolution, "unknown_value": grey_or_none(unknown_value)}
     options = {name: value for name, value in given.items() if value is not None}
     jobs = [
         Job(map_file=path, folder=folder, preset=preset, settings=settings, seed=seed, options=options)

@@ -61,7 +61,7 @@ class Running:
     assignments: list[str] | None
     seed: int
     resolution_m: float | None
-    unknown: int | None
+    unknown: str | None
     max_cells: int
 
     def grid(self, path: Path) -> OccupancyGrid:

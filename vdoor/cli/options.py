@@ -13,6 +13,7 @@ from vdoor.errors import SettingError, VdoorError, say
 
 if TYPE_CHECKING:
     from vdoor.editing.places import Point
+    from vdoor.formats.source import UnknownValue
     from vdoor.frame import Frame
     from vdoor.grid import OccupancyGrid
     from vdoor.pipeline import AnyPipeline
@@ -27,7 +28,10 @@ Seed = Annotated[int, typer.Option(min=0, help="Random seed.")]
 Config = Annotated[Path | None, typer.Option(metavar="FILE.toml", help="Settings file, see `vdoor config`.")]
 Set = Annotated[list[str] | None, typer.Option("--set", metavar="STAGE.FIELD=VALUE", help="One setting; repeatable.")]
 Resolution = Annotated[float | None, typer.Option(metavar="M", help="Cell size in metres, if the map has none.")]
-Unknown = Annotated[int | None, typer.Option(metavar="GREY", help="Read cells of this grey as unknown, such as 205.")]
+Unknown = Annotated[
+    str | None,
+    typer.Option(metavar="GREY", help="Read cells of this grey as unknown, such as 205; none: only as the YAML says."),
+]
 FreeBelow = Annotated[
     float | None, typer.Option(metavar="PERCENT", help="Read cells of less occupancy as free, in place of thresholds.")
 ]
@@ -41,13 +45,18 @@ Json = Annotated[bool, typer.Option("--json", help="Print the result as JSON.")]
 
 
 def read_grid(path: Path, *, quiet: bool, **how: Any) -> OccupancyGrid:
-    """Map from a file or from stdin, with the options of `read_map`; the reader's warnings go to stderr."""
+    """Map from a file or from stdin, with the options of `read_map`; the reader's warnings go to stderr.
+
+    The unknown value is text, as typed.
+    """
     import sys
     import warnings
 
     from vdoor.formats import read_map, read_piped
 
     _refuse_folder_of_maps(path)
+    if "unknown_value" in how:
+        how["unknown_value"] = grey_or_none(how["unknown_value"])
     with warnings.catch_warnings(record=True) as notes:
         warnings.simplefilter("always")
         grid = read_piped(sys.stdin.buffer, **how) if str(path) == PIPE else read_map(path, **how)
@@ -78,6 +87,18 @@ def _refuse_folder_of_maps(path: Path) -> None:
     kind = kind_of(path)
     advice = "give the map that it was made of" if "result" in kind else "`vdoor batch` runs all maps in it"
     raise SettingError(f"map: wanted a map file or the folder of a ROS 2 bag, found {kind}; {advice}: {path}")
+
+
+def grey_or_none(text: str | None) -> UnknownValue:
+    """The value of --unknown-value; raises SettingError if it is neither a whole number nor the word none."""
+    if text is None:
+        return None
+    if text == "none":
+        return "none"
+    try:
+        return int(text)
+    except ValueError:
+        raise SettingError(f"--unknown-value: wanted a grey from 0 to 255, or none, found {text!r}") from None
 
 
 def chosen_pipeline(

@@ -41,6 +41,9 @@ if TYPE_CHECKING:
     from vdoor.pipeline import AnyPipeline
     from vdoor.topology import TopologicalMap
 
+MOST_LEFT_OUT = 0.02
+"""Largest share of the free space without a room that is not worth a note."""
+
 
 def run(
     map_file: MapFile,
@@ -129,6 +132,8 @@ def run(
         if out:
             writing.write_result(out, grid, topology, document)
             leave_edits(out, pipeline.edit.edits, quiet=quiet)
+        if not quiet:
+            _note_left_out(grid, topology)
         refused = exports.write(topology, map_file, annotations)
         _print_result(topology, document, as_json=as_json)
         if refused:
@@ -172,6 +177,15 @@ def _info(grid: OccupancyGrid, preset: str, pipeline: AnyPipeline, seed: int) ->
 
     settings = settings_of(pipeline, METHODS)
     return RunInfo(version=__version__, preset=preset, seed=seed, settings=settings, source=grid.source)
+
+
+def _note_left_out(grid: OccupancyGrid, topology: TopologicalMap) -> None:
+    """Say how much of the free space has no room, if it is more than `MOST_LEFT_OUT`."""
+    free, left_out = grid.free, grid.free & (topology.labels == 0)
+    share = left_out.sum() / max(int(free.sum()), 1)
+    if share > MOST_LEFT_OUT:
+        area_m2 = left_out.sum() * grid.frame.resolution_m**2
+        say(f"note: {area_m2:.1f} m2 of free space ({share:.0%}) have no room: not connected to one, and no room alone")
 
 
 def _print_result(topology: TopologicalMap, document: dict[str, Any], *, as_json: bool) -> None:

@@ -11,7 +11,7 @@ from typing import BinaryIO, NamedTuple
 from vdoor.errors import MapError, MapWarning
 from vdoor.formats import bag, images, map_server, message, notes, numpy_array, opening, valetudo
 from vdoor.formats.notes import histogram, note_cells
-from vdoor.formats.source import MAX_CELLS, Options, Request
+from vdoor.formats.source import MAX_CELLS, Options, Request, UnknownValue
 from vdoor.grid import Annotations, OccupancyGrid, Source
 
 __all__ = ["MAX_CELLS", "READERS", "Reader", "described", "read_annotations", "read_map", "read_piped", "read_source"]
@@ -52,7 +52,7 @@ def read_map(
     path: str | os.PathLike[str],
     *,
     resolution_m: float | None = None,
-    unknown_value: int | None = None,
+    unknown_value: UnknownValue = None,
     free_below: float | None = None,
     occupied_from: float | None = None,
     topic: str | None = None,
@@ -69,7 +69,8 @@ def read_map(
     resolution_m
         metres per cell, for files without a resolution (default 0.05, with a warning); an error if the file's differs
     unknown_value
-        a grey value, 0 to 255, whose cells are unknown regardless of the thresholds
+        a grey value, 0 to 255, whose cells are unknown regardless of the thresholds; "none" for no such value. If not
+        given, 205 is unknown in trinary images that look as map savers write them: 0, 205 and 254
     free_below, occupied_from
         limits in per cent of occupancy, in place of the thresholds of the file or format; where a bag or array has
         many values between free and occupied, 50 and 51 are used, with a warning
@@ -103,7 +104,7 @@ def read_piped(
     stream: BinaryIO,
     *,
     resolution_m: float | None = None,
-    unknown_value: int | None = None,
+    unknown_value: UnknownValue = None,
     free_below: float | None = None,
     occupied_from: float | None = None,
     topic: str | None = None,

@@ -18,6 +18,10 @@ from vdoor.formats.source import GREYS, Request
 from vdoor.grid import FREE, OCCUPIED, UNKNOWN, Source
 
 Mode = Literal["trinary", "scale", "raw"]
+SAVED_FREE = 254
+"""The grey value that map savers write for free cells."""
+SAVED, SAVED_SHARE = (0, USUAL_UNKNOWN, SAVED_FREE), 0.9
+"""The greys of saved maps, and the smallest share of cells with one of them for a map to count as saved."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -78,6 +82,7 @@ class Rule:
 def cells_from_image(image: GreyImage, rule: Rule, *, request: Request, name: str) -> NDArray[np.int8]:
     """The occupancy (h, w) int8 of an image; adds notes if that is probably not what was meant.
 
+    A map saver's 205 is unknown, unless the request has a value of its own.
     Limits of free and occupied that the user gave take the place of the rule's thresholds: of darkness, and in raw mode
     of the grey itself.
     """
@@ -88,7 +93,7 @@ def cells_from_image(image: GreyImage, rule: Rule, *, request: Request, name: st
     table = rule.table()
     if levels is not None and rule.mode == "raw":
         table = levels.of(table)
-    if request.unknown_value is not None:
+    if isinstance(request.unknown_value, int):
         table[request.unknown_value] = UNKNOWN
     _note(image, greys, table, rule, request=request, name=name)
     # Byte by byte: indexing the table would first convert each grey to an index of eight bytes.
@@ -125,21 +130,20 @@ def _with_levels(rule: Rule, levels: Levels) -> Rule:
 def _note(
     image: GreyImage, greys: NDArray[np.uint8], table: NDArray[np.int8], rule: Rule, *, request: Request, name: str
 ) -> None:
-    """Add notes on what an image loses by the way in which it is read."""
+    """Add notes on what an image loses by the way in which it is read; a map saver's 205 becomes unknown in `table`."""
     counts = notes.histogram(greys)
     if image.remark:
         request.note(image.remark, name)
     notes.note_colours(image.coloured, greys.size, request)
-    if rule.mode != "raw" and table[USUAL_UNKNOWN] == FREE and (count := counts[USUAL_UNKNOWN]):
-        request.note(
-            f"grey {USUAL_UNKNOWN}, which map savers write for unknown, is read as free in {count} cells in mode "
-            f"{rule.mode} with free_thresh {rule.free_thresh:g} (--unknown-value {USUAL_UNKNOWN} keeps it unknown)",
-            name,
-        )
+    if rule.mode != "raw" and table[USUAL_UNKNOWN] == FREE:
+        if request.unknown_value is None and rule.mode == "trinary" and saved(counts):
+            table[USUAL_UNKNOWN] = UNKNOWN
+        _note_usual_unknown(int(counts[USUAL_UNKNOWN]), table, rule, request=request, name=name)
     if rule.mode == "raw":
         notes.note_raw(counts, request)
     if rule.mode == "trinary":
-        notes.note_greys(counts, table, request.unknown_value, request)
+        given = request.unknown_value if isinstance(request.unknown_value, int) else None
+        notes.note_greys(counts, table, given, request)
     else:
         notes.note_undecided(_values(counts, table), rule.mode, request)
 
@@ -147,3 +151,31 @@ def _note(
 def _values(counts: NDArray[np.int64], table: NDArray[np.int8]) -> NDArray[np.int64]:
     """Number of cells of each occupancy (256,), unknown last, from the numbers of each grey."""
     return np.bincount(table.view(np.uint8), counts, minlength=GREYS).astype(np.int64)
+
+
+def saved(count: NDArray[np.intp]) -> bool:
+    """Whether an image with so many cells of each grey (256,) looks as map savers write it: 0, 205 and 254.
+
+    Some cells may have other greys, as after editing by hand.
+    """
+    known = count[list(SAVED)].sum()
+    return bool(count[USUAL_UNKNOWN] and count[SAVED_FREE] and known >= SAVED_SHARE * count.sum())
+
+
+def _note_usual_unknown(count: int, table: NDArray[np.int8], rule: Rule, *, request: Request, name: str) -> None:
+    """Add a note on how the `count` cells of grey 205 are read."""
+    if not count:
+        return
+    threshold = f"free_thresh {rule.free_thresh:g}"
+    if table[USUAL_UNKNOWN] == FREE:
+        request.note(
+            f"grey {USUAL_UNKNOWN}, which map savers write for unknown, is read as free in {count} cells in mode "
+            f"{rule.mode} with {threshold} (--unknown-value {USUAL_UNKNOWN} keeps it unknown)",
+            name,
+        )
+    else:
+        request.note(
+            f"grey {USUAL_UNKNOWN}, which map savers write for unknown, is read as unknown in {count} cells despite "
+            f"{threshold} (--unknown-value none reads it as free)",
+            name,
+        )

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import PureWindowsPath
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +18,8 @@ from vdoor.grid import OCCUPIED, UNKNOWN, Source
 
 Options = dict[str, float | int | str]
 """The user's options for reading the file, by name; stored with the source."""
+UnknownValue = int | Literal["none"] | None
+"""A grey value that is read as unknown; "none" for no such value, None to look at the image."""
 MAX_CELLS = 100_000_000
 DEFAULT_RESOLUTION_M = 0.05
 FINEST_M, COARSEST_M = 0.0001, 100.0
@@ -72,12 +74,14 @@ class Request:
         return None if given is None else checked_resolution_m(given)
 
     @property
-    def unknown_value(self) -> int | None:
-        """The user's grey value for unknown cells, 0 to 255, None if not given; raises MapError if it is invalid."""
+    def unknown_value(self) -> UnknownValue:
+        """The grey value for unknown cells, 0 to 255, or "none"; None if not given. Raises MapError if invalid."""
         given = self.source.options.get("unknown_value")
-        if given is None or (isinstance(given, int) and not isinstance(given, bool) and 0 <= given < GREYS):
+        if given is None or given == "none":
+            return None if given is None else "none"
+        if isinstance(given, int) and not isinstance(given, bool) and 0 <= given < GREYS:
             return given
-        raise MapError(f"unknown value: wanted a whole number from 0 to {GREYS - 1}, found {shown(given)}")
+        raise MapError(f"unknown value: wanted a whole number from 0 to {GREYS - 1}, or none, found {shown(given)}")
 
     def refuse_unknown_value(self, what: str) -> None:
         """Raise MapError if a grey value is given for a format without greys; `what` is the format's name."""

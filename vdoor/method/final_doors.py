@@ -10,13 +10,19 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from vdoor.frame import Frame
+from vdoor.grid import FREE
 from vdoor.method.initial_map import InitialMap
-from vdoor.method.simplify import SimplifiedGrid
+from vdoor.method.simplify import REASONS, SimplifiedGrid
+from vdoor.method.spaces import with_neighbours
 from vdoor.raster.components import contact_pieces, contacts
+from vdoor.raster.lines import lines_between
 from vdoor.topology import KINDS
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int32]
+Mask = NDArray[np.bool_]
+
+SILL = np.uint8(KINDS.index("sill"))
 
 
 class Doors(NamedTuple):
@@ -55,6 +61,15 @@ def door_rows(initial: InitialMap, rows: list[tuple[int, int, int]], number: Int
         room_a[real],
         room_b[real],
     )
+
+
+def on_sill(doors: Doors, initial: InitialMap, simplified: SimplifiedGrid) -> Mask:
+    """Which doors (k,) have most of their cells on or beside sills that the input does not show."""
+    sill = with_neighbours(simplified.reason == REASONS.index("sill"))
+    start, end = initial.start[doors.edge], initial.end[doors.edge]
+    _, cell, owner = lines_between(simplified.cells == FREE, start, end)
+    on = np.bincount(owner, weights=sill[cell[:, 0], cell[:, 1]], minlength=len(doors.edge))
+    return np.asarray(2 * on > np.bincount(owner, minlength=len(doors.edge)))
 
 
 def matched_to_contacts(labels: Ints, doors: Doors, simplified: SimplifiedGrid, frame: Frame) -> Doors:

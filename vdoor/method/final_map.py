@@ -5,20 +5,21 @@ from __future__ import annotations
 import itertools
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from vdoor.config import Within
 from vdoor.frame import Frame
 from vdoor.grid import FREE, OccupancyGrid
-from vdoor.method.final_doors import Doors, door_rows, matched_to_contacts
+from vdoor.method.final_doors import SILL, Doors, door_rows, matched_to_contacts, on_sill
 from vdoor.method.initial_map import InitialMap
 from vdoor.method.search.generation import Generation
 from vdoor.method.search.incremental import FlipState
 from vdoor.method.search.problem import Bits, MergeProblem
 from vdoor.method.simplify import SimplifiedGrid
-from vdoor.raster.labels import at_input, flooded, handed_on, numbered, whole
+from vdoor.raster.labels import at_input, flooded, half_seen, handed_on, numbered, whole
 from vdoor.raster.polygons import centres, polygons
 from vdoor.raster.runs import runs_of
 from vdoor.topology import TopologicalMap
@@ -34,6 +35,9 @@ class MergeRooms:
     passages: bool = True
     """Add a passage where rooms touch through an opening that is too narrow for the working resolution (paper); false:
     no robot fits through, so there is no door, and the space behind the opening is assigned to one room."""
+    half_seen_m: Annotated[float, Within(0, 5)] = 0.0
+    """Free cells apart from all rooms are assigned to one across unknown gaps up to this wide, as part of a room that
+    was seen as single rays; 0 leaves them without (paper). Only without `passages`."""
 
     def __call__(
         self,
@@ -50,10 +54,13 @@ class MergeRooms:
         if not self.passages:
             inner = at_input((simplified.cells == FREE).astype(np.int32), simplified.factor, grid.free) > 0
             labels = handed_on(flooded(labels, inner), grid.free)
+            if self.half_seen_m > 0:
+                labels = half_seen(labels, grid.free, ~grid.occupied, self.half_seen_m / grid.frame.resolution_m)
         else:
             labels = flooded(labels, grid.free)
         labels, number = numbered(labels, int(room_of_piece.max()))
         doors = door_rows(initial, rows, number)
+        doors = doors._replace(kind=np.where(on_sill(doors, initial, simplified), SILL, doors.kind))
         if self.passages:
             doors = matched_to_contacts(labels, doors, simplified, grid.frame)
 

@@ -16,7 +16,7 @@ from vdoor.method.boundary import BoundaryPath
 from vdoor.method.corners import Corners
 from vdoor.method.doors import PROPOSED, VirtualDoors
 from vdoor.method.scoring.score import LIKELY, DoorScores
-from vdoor.method.simplify import SimplifiedGrid
+from vdoor.method.simplify import REASONS, SimplifiedGrid
 from vdoor.raster.polygons import centres, polygons
 from vdoor.record import Record, Spec
 from vdoor.topology import KINDS
@@ -108,7 +108,7 @@ class DivideRooms:
             worth = -doors.length_m if scores is None else np.zeros(len(doors.verdict))
             if scores is not None:
                 worth[scores.door] = scores.log_odds
-            edges = edges[separating_in_input(free, simplified.reason == 0, doors, edges, worth[edges])]
+            edges = edges[separating_in_input(free, as_read(simplified), doors, edges, worth[edges])]
             left_out = np.setdiff1d(proposed[~idle], edges)
         pieces = cut(free, doors, edges)
         border = borders(pieces, len(edges))
@@ -161,6 +161,11 @@ class DivideRooms:
             inside = (label > 0) & (label <= pieces.regions)
             found.append(np.stack([label[inside] - 1, np.flatnonzero(inside)], axis=1))
         return np.unique(np.concatenate(found).astype(np.int32), axis=0)
+
+
+def as_read(simplified: SimplifiedGrid) -> Mask:
+    """The cells (h, w) that are as in the input, or are a sill, which joins rooms that the input shows."""
+    return np.asarray((simplified.reason == 0) | (simplified.reason == REASONS.index("sill")))
 
 
 def separating_in_input(free: Mask, as_read: Mask, doors: VirtualDoors, edges: Ints, worth: Floats) -> Mask:

@@ -16,6 +16,7 @@ from vdoor.config import Within
 from vdoor.errors import MapError, SettingError
 from vdoor.frame import Frame
 from vdoor.grid import FREE, OCCUPIED, UNKNOWN, OccupancyGrid
+from vdoor.method.parts import large_parts, long_pieces, remaining, sills, wide_parts
 from vdoor.method.spaces import SHORTEST_DASH, Spaces, furniture, in_line, opened, square, with_neighbours
 from vdoor.raster.runs import runs_of
 from vdoor.record import Record, Spec
@@ -26,8 +27,8 @@ ROBOT_REACH_M = 0.5
 """Largest distance between the robot's position and the nearest free cell."""
 THIN_LONG_M = 1.0
 """Largest length of a thin unknown line that becomes free."""
-PART_WIDTH_M = 1.2
-"""Side of the square that must fit into a free part for it to be kept beside the largest."""
+SILL_LONG_M = 0.4
+"""Least length of a sill: a door that a robot fits through."""
 SURE_SHARE = 0.7
 """Smallest share of free cells around a thin unknown cell that becomes free."""
 CHANNEL_LONG_M = 0.4
@@ -38,7 +39,7 @@ SPACE_M2 = 0.2
 """Smallest area of a space that counts as separate; a corner behind a bin is less."""
 EPSILON = 1e-9
 AROUND = ((0, 0), (0, 1), (0, 2), (1, 0), (1, 2), (2, 0), (2, 1), (2, 2))
-REASONS = ("as it was", "unreachable", "jut", "notch", "island", "thin unknown", "slit")
+REASONS = ("as it was", "unreachable", "jut", "notch", "island", "thin unknown", "slit", "sill")
 
 
 class SimplifiedGrid(Record):
@@ -81,8 +82,11 @@ class SimplifyGrid:
     around_m: Annotated[float, Within(0, 10)] = 1.0
     """The spaces on two sides of an obstacle are separate if no way leads around it within this distance."""
     least_part_m2: Annotated[float, Within(0, 1e6)] = 0.0
-    """Free parts of at least this area that fit a square of 1.2 m are kept beside the largest, unless the robot's
-    position is given; 0 keeps only one (paper)."""
+    """Free parts of at least this area that fit a square of 0.5 m are kept beside the robot's, as rooms behind doors
+    that were shut; 0 keeps only one (paper)."""
+    sill_m: Annotated[float, Within(0, 1)] = 0.0
+    """Unknown strips up to this thick between two such parts become free, since robots often do not see the floor of a
+    doorway; 0 keeps them (paper)."""
 
     def __post_init__(self) -> None:
         """Raise SettingError for a position that is not x and y."""
@@ -102,8 +106,11 @@ class SimplifyGrid:
             thin = thin_unknown(
                 before, *(max(1, round(size / frame.resolution_m)) for size in (self.thin_unknown_m, THIN_LONG_M))
             )
-        free = self._reachable(known_free | thin, frame)
+        sill = self._sills(before, known_free, frame)
+        thin &= ~sill
+        free = self._reachable(known_free | thin | sill, frame)
         reason[(known_free | thin) & ~free] = REASONS.index("unreachable")
+        reason[sill & free] = REASONS.index("sill")
         free = self._without_furniture(free, thin & free, reason, frame)
         if gap := cells_in(self.gap_m, frame):
             free = self._closed(free, Spaces.of(free, gap).gap, reason, frame)
@@ -140,7 +147,7 @@ class SimplifyGrid:
                 least=SPACE_M2 / frame.resolution_m**2,
             )
             # Space behind a thin line that is kept is no longer reachable.
-            free = self._reachable(known | goes, frame)
+            free = self._reachable(known | goes, frame, free)
             reason[known & ~free] = REASONS.index("unreachable")
             islands, thin = islands & free, thin & free
         reason[thin] = REASONS.index("thin unknown")
@@ -158,33 +165,56 @@ class SimplifyGrid:
         wide = free & ~narrow
         if not (narrow.any() and wide.any()):
             return free
-        kept = self._reachable(wide, frame)
+        kept = self._reachable(wide, frame, free)
         reason[narrow] = REASONS.index("slit")
         reason[wide & ~kept] = REASONS.index("unreachable")
         return kept
 
-    def _reachable(self, free: Mask, frame: Frame) -> Mask:
-        """The 4-connected component of `free` with the robot; without a position, the largest and other large ones."""
+    def _reachable(self, free: Mask, frame: Frame, before: Mask | None = None) -> Mask:
+        """The 4-connected component of `free` with the robot, or else the largest, and other rooms.
+
+        Of what was kept `before`, no part goes as a whole, and what is cut off from it must be wide to be a room.
+        """
         labels, count = label_cells(free, connectivity=1, return_num=True)
         if count == 0:
             raise MapError(
                 f"the map has no free cell at {frame.resolution_m:g} m per cell, so there is nothing to divide"
             )
+        kept = np.zeros(count + 1, np.bool_)
+        if self.least_part_m2 > 0:
+            kept[np.unique(self._parts(free, frame))] = before is None
+            if before is not None:
+                kept |= remaining(labels, before) | wide_parts(labels, *self._least(frame))
+            kept[0] = False
+        kept[self._own_part(labels, count, frame)] = True
+        return np.asarray(kept[labels])
+
+    def _parts(self, free: Mask, frame: Frame) -> NDArray[np.int32]:
+        """The parts (h, w) of the free space that are rooms of their own."""
+        return large_parts(free, *self._least(frame))
+
+    def _least(self, frame: Frame) -> tuple[float, float]:
+        """The least number of cells of a part of the free space, and the size of a cell in metres."""
+        return self.least_part_m2 / frame.resolution_m**2, frame.resolution_m
+
+    def _sills(self, before: NDArray[np.int8], free: Mask, frame: Frame) -> Mask:
+        """The sills between large parts of the free space."""
+        thick = cells_in(self.sill_m, frame)
+        if not (thick and self.least_part_m2 > 0):
+            return np.zeros_like(free)
+        return sills(before, self._parts(free, frame), thick, SILL_LONG_M / frame.resolution_m)
+
+    def _own_part(self, labels: NDArray[np.int32], count: int, frame: Frame) -> int:
+        """The label of the robot's part of the free space; of the largest if its position is not known."""
         if not self.robot_m:
-            cells = runs_of(labels).cells(count)
-            kept = np.zeros(count + 1, np.bool_)
-            if self.least_part_m2 > 0:
-                kept[1:] = cells * frame.resolution_m**2 >= self.least_part_m2
-                kept &= wide_enough(labels, kept, PART_WIDTH_M / frame.resolution_m)
-            kept[1 + np.argmax(cells)] = True
-            return np.asarray(kept[labels])
+            return int(1 + np.argmax(runs_of(labels).cells(count)))
         place = frame.cell_from_world(np.array([self.robot_m]))[0]
-        cells = np.argwhere(free)
+        cells = np.argwhere(labels)
         nearest = cells[np.argmin(((cells - place) ** 2).sum(axis=1))]
         if math.dist(nearest, place) * frame.resolution_m > ROBOT_REACH_M:
             x_m, y_m = self.robot_m
             raise MapError(f"robot at {x_m:g},{y_m:g}: wanted a free cell within {ROBOT_REACH_M} m, found none")
-        return np.asarray(labels == labels[tuple(nearest)])
+        return int(labels[tuple(nearest)])
 
 
 def cells_in(length_m: float, frame: Frame) -> int:
@@ -211,16 +241,6 @@ def resampled(grid: OccupancyGrid, factor: int) -> NDArray[np.int8]:
     cells[free] = FREE
     cells[occupied] = OCCUPIED
     return cells
-
-
-def wide_enough(labels: NDArray[np.int32], chosen: Mask, width: float) -> Mask:
-    """Which of the labels `chosen` (count + 1,) fit a square of `width` cells; hollow furniture does not."""
-    side = max(1, round(width))
-    padded = np.pad(chosen[labels], 1).view(np.uint8)
-    inner = ndimage.minimum_filter(padded, side, mode="constant", cval=0)[1:-1, 1:-1] > 0
-    found = np.zeros(len(chosen), np.bool_)
-    found[np.unique(labels[inner])] = True
-    return found
 
 
 def thin_unknown(cells: NDArray[np.int8], thick: int, longest: int) -> Mask:
@@ -254,15 +274,6 @@ def small_islands(free: Mask, size: int) -> Mask:
 def narrower(free: Mask, thick: int) -> Mask:
     """The free cells that are in no free square with sides of more than `thick` cells."""
     return free & ~opened(free, square(thick + 1))
-
-
-def long_pieces(mask: Mask, least: float, connectivity: int = 1) -> Mask:
-    """The pieces of `mask`, 4-connected (1) or 8-connected (2), whose bounding boxes are longer than `least` cells."""
-    labels = label_cells(mask, connectivity=connectivity)
-    long = np.zeros(labels.max() + 1, np.bool_)
-    for label, place in enumerate(ndimage.find_objects(labels), start=1):
-        long[label] = max(side.stop - side.start for side in place) > least
-    return np.asarray(long[labels])
 
 
 def touches(free: Mask) -> Mask:

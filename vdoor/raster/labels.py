@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import ndimage
 from skimage.measure import label as label_cells
 
 from vdoor.raster.runs import runs_of
@@ -76,6 +77,16 @@ def handed_on(labels: Ints, free: Mask) -> Ints:
     of_piece = np.zeros(int(piece.max(initial=0)) + 1, np.int32)
     of_piece[key[order] // rooms] = key[order] % rooms
     return np.where(piece > 0, of_piece[piece], labels).astype(np.int32)
+
+
+def half_seen(labels: Ints, free: Mask, open_: Mask, reach: float) -> Ints:
+    """The labels, with free cells without one assigned to a label across unknown gaps of at most `reach` cells.
+
+    Rays reach the rest of a room that is seen only in part cell by cell. `open_` (h, w) are the cells that are free or
+    unknown. Cells with gaps between them that are at most twice as wide get one label, that of `handed_on`.
+    """
+    near = ndimage.distance_transform_edt((labels > 0) | ~free) <= reach
+    return np.where(free, handed_on(labels, near & open_), 0).astype(np.int32)
 
 
 def numbered(labels: Ints, rooms: int) -> tuple[Ints, Ints]:

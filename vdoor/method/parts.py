@@ -1,0 +1,108 @@
+"""Parts of the free space that are not connected: which of them are indoors, and sills that join two of them."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import ndimage
+from skimage.measure import label as label_cells
+
+from vdoor.grid import UNKNOWN
+from vdoor.method.spaces import grown
+from vdoor.raster.runs import runs_of
+
+Mask = NDArray[np.bool_]
+Ints = NDArray[np.int32]
+
+NARROW_M, WIDE_M = 0.5, 1.2
+"""Side of the square that fits into every room, and of one that fits into no hollow furniture."""
+WALL_M = 0.25
+"""Largest thickness of the sides of hollow furniture."""
+HOLLOW_SHARE = 0.55
+"""Hollow furniture has at least this share of its boundary beside the same room: about three sides."""
+
+
+def large_parts(free: Mask, least: float, cell_m: float) -> Ints:
+    """The 4-connected parts (h, w) of `free` that are rooms, numbered; 0 elsewhere.
+
+    They have at least `least` cells, fit a square of `NARROW_M`, and are not hollow furniture: one that fits no square
+    of `WIDE_M` does not stand in a single other part.
+    """
+    labels, count = label_cells(free, connectivity=1, return_num=True)
+    kept = np.zeros(count + 1, np.bool_)
+    kept[1:] = runs_of(labels).cells(count) >= least
+    kept &= wide_enough(labels, kept, NARROW_M / cell_m)
+    unsure = kept & ~wide_enough(labels, kept, WIDE_M / cell_m)
+    boxes = ndimage.find_objects(labels) if unsure.any() else []
+    for number in np.flatnonzero(unsure).tolist():
+        near = grown(boxes[number - 1], int(WALL_M / cell_m) + 2, free.shape)
+        kept[number] = shared_side(labels[near], number, WALL_M / cell_m) < HOLLOW_SHARE
+    return np.where(kept[labels], labels, 0).astype(np.int32)
+
+
+def wide_parts(labels: Ints, least: float, cell_m: float) -> Mask:
+    """Which labels (count + 1,) have at least `least` cells and fit a square of `WIDE_M`."""
+    chosen = np.bincount(labels.ravel(), minlength=int(labels.max(initial=0)) + 1) >= least
+    chosen[0] = False
+    return wide_enough(labels, chosen, WIDE_M / cell_m)
+
+
+def remaining(labels: Ints, before: Mask) -> Mask:
+    """Which labels (count + 1,) are the largest piece that is left of a 4-connected part of `before` (h, w)."""
+    part = label_cells(before, connectivity=1)
+    cells = np.bincount(labels.ravel(), minlength=int(labels.max(initial=0)) + 1)
+    first = np.unique(labels, return_index=True)
+    part_of = np.zeros(len(cells), np.int64)
+    part_of[first[0]] = part.reshape(-1)[first[1]]
+    order = np.lexsort((np.arange(len(cells)), -cells, part_of))
+    leads = np.append(True, part_of[order][1:] != part_of[order][:-1])
+    chosen = np.zeros(len(cells), np.bool_)
+    chosen[order[leads & (part_of[order] > 0)]] = True
+    return chosen
+
+
+def shared_side(labels: Ints, number: int, thick: float) -> float:
+    """The share of a part's boundary behind which the same other part lies, through at most `thick` cells of wall."""
+    part = labels == number
+    edge = part & ~ndimage.binary_erosion(part)
+    others, cells = np.unique(labels[(labels > 0) & ~part], return_counts=True)
+    if not len(others):
+        return 0.0
+    away = ndimage.distance_transform_edt(labels != others[cells.argmax()])
+    return float((away[edge] <= thick + 1).mean())
+
+
+def wide_enough(labels: NDArray[np.int32], chosen: Mask, width: float) -> Mask:
+    """Which of the labels `chosen` (count + 1,) fit a square of `width` cells."""
+    side = max(1, round(width))
+    padded = np.pad(chosen[labels], 1).view(np.uint8)
+    inner = ndimage.minimum_filter(padded, side, mode="constant", cval=0)[1:-1, 1:-1] > 0
+    found = np.zeros(len(chosen), np.bool_)
+    found[np.unique(labels[inner])] = True
+    return found
+
+
+def sills(cells: NDArray[np.int8], part: Ints, thick: int, least: float) -> Mask:
+    """Unknown cells (h, w) in strips at most `thick` cells thick between two parts, at least `least` cells long.
+
+    Robots often do not see the floor of a doorway: it is mapped from both rooms up to the sill.
+    """
+    unknown = cells == UNKNOWN
+    found = np.zeros(cells.shape, np.bool_)
+    for strip, gap, label in ((found, unknown, part), (found.T, unknown.T, part.T)):
+        for size in range(1, min(thick, len(label) - 2) + 1):
+            before, after = label[: -size - 1], label[size + 1 :]
+            inner = [gap[1 + step : len(gap) - size + step] for step in range(size)]
+            across = np.logical_and.reduce([(before > 0) & (after > 0) & (before != after), *inner])
+            for step in range(size):
+                strip[1 + step : len(gap) - size + step] |= across
+    return long_pieces(found, least, connectivity=2)
+
+
+def long_pieces(mask: Mask, least: float, connectivity: int = 1) -> Mask:
+    """The pieces of `mask`, 4-connected (1) or 8-connected (2), whose bounding boxes are longer than `least` cells."""
+    labels = label_cells(mask, connectivity=connectivity)
+    long = np.zeros(labels.max() + 1, np.bool_)
+    for label, place in enumerate(ndimage.find_objects(labels), start=1):
+        long[label] = max(side.stop - side.start for side in place) > least
+    return np.asarray(long[labels])
