@@ -117,7 +117,7 @@ def _nearest_first(distance: Floats, piece: Ints, start: int, end: int) -> Tour:
     stops, first = np.array(order, np.intp), np.array(sides, np.intp)
     enter = np.concatenate([[start], piece[stops, first], [end]])
     leave = np.concatenate([[start], piece[stops, 1 - first], [end]])
-    return Tour(enter, leave, np.concatenate([stops, [len(piece), len(piece) + 1]]))
+    return Tour(enter, leave, np.concatenate([[len(piece)], stops, [len(piece) + 1]]))
 
 
 def _neighbours(distance: Floats, piece: Ints, start: int, end: int) -> Ints:
