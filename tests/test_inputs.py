@@ -26,7 +26,7 @@ from rosbags.rosbag2 import StoragePlugin
 from vacuum import home
 
 from vdoor.api import run
-from vdoor.errors import MapError, MapWarning
+from vdoor.errors import MapError, MapWarning, say
 from vdoor.formats import read_map, read_piped, read_source
 from vdoor.grid import FREE, OCCUPIED, UNKNOWN, OccupancyGrid
 
@@ -377,3 +377,15 @@ def test_the_command_takes_a_packed_map_from_a_pipe_and_names_the_chargers_place
     )
     assert done.returncode == 0
     assert b"robot taken to be at its charger" in done.stderr
+
+
+def test_text_of_a_file_stays_one_line_without_control_codes(capsys: pytest.CaptureFixture[str]) -> None:
+    say("file: found none: \x1b[31mred\nvdoor: all is well.pgm")
+    assert capsys.readouterr().err == "vdoor: file: found none: ?[31mred vdoor: all is well.pgm\n"
+
+
+def test_a_shape_with_a_truth_value_is_refused(tmp_path: Path) -> None:
+    stream = io.BytesIO()
+    np.save(stream, np.zeros((1, 60), np.int8))
+    (tmp_path / "map.npy").write_bytes(stream.getvalue().replace(b"(1, 60), }   ", b"(True, 60), }"))
+    assert "array: wanted a shape of whole numbers" in refused(tmp_path / "map.npy")
