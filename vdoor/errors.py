@@ -36,8 +36,8 @@ def no_such(what: str, word: str, known: Iterable[str]) -> str:
 
 
 def say(text: str) -> None:
-    """Write one line to stderr, prefixed with the program's name."""
-    sys.stderr.write(f"vdoor: {text}\n")
+    """Write one line to stderr, prefixed with the program's name, without control codes that files may hold."""
+    sys.stderr.write(f"vdoor: {printable(' '.join(text.splitlines()))}\n")
 
 
 NOT_PRINTABLE = re.compile(r"[^\t\n\x20-\x7e\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")

@@ -156,6 +156,7 @@ def test_a_binary_pgm_may_begin_with_white_space_or_a_hash(tmp_path: Path) -> No
 # --- images on their own
 
 
+@pytest.mark.filterwarnings("ignore:greys")  # every grey there is
 def test_a_plain_image_is_free_from_grey_206_on(tmp_path: Path) -> None:
     path = write_pgm(tmp_path, np.arange(256).reshape(16, 16))
     cells = read_map(path, resolution_m=0.05).cells.ravel()
@@ -181,6 +182,7 @@ def test_colour_is_read_by_luma(tmp_path: Path) -> None:
     assert image_cells(tmp_path, Image.fromarray(colours), "map.png") == [[100, -1, 100, 0, -1]]
 
 
+@pytest.mark.filterwarnings("ignore:greys")  # every grey there is
 def test_every_grey_written_as_colour_stays_that_grey(tmp_path: Path) -> None:
     greys = np.arange(256, dtype=np.uint8).reshape(16, 16)
     colour = Image.fromarray(np.repeat(greys[..., None], 3, axis=2))

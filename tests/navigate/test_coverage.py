@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import functools
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -73,7 +74,7 @@ def driven_m(found: Coverage, step_m: float = 0.005) -> NDArray[np.float64]:
     point = found.point_m
     pieces = [
         a + np.linspace(0, 1, int(np.ceil(np.hypot(*(b - a)) / step_m)) + 1)[:, None] * (b - a)
-        for a, b in zip(point[:-1], point[1:], strict=True)
+        for a, b in pairwise(point)
     ]
     return np.concatenate(pieces)
 
@@ -293,7 +294,9 @@ def test_a_map_turned_by_30_degrees_is_covered_as_well() -> None:
     # a cell of the turned map is what is at its centre in the upright one
     angle_rad, size = np.radians(30), 150
     row, col = np.mgrid[0:size, 0:size] - size / 2
-    at = np.stack([np.cos(angle_rad) * row - np.sin(angle_rad) * col, np.sin(angle_rad) * row + np.cos(angle_rad) * col])
+    at = np.stack(
+        [np.cos(angle_rad) * row - np.sin(angle_rad) * col, np.sin(angle_rad) * row + np.cos(angle_rad) * col]
+    )
     place = np.rint(at + np.array([38, 53])[:, None, None]).astype(int)
     inside = (place >= 0).all(axis=0) & (place[0] < cells.shape[0]) & (place[1] < cells.shape[1])
     turned = np.full((size, size), -1, np.int8)

@@ -1,6 +1,7 @@
 """From which per cent of occupancy a cell is free or occupied, for values between 0 and 100.
 
-Elsewhere a cell is free below 20 and occupied from 65 (`grid.FREE_TO`, `grid.OCCUPIED_FROM`): Nav2's defaults. Mappers that publish probabilities, as Cartographer does, write everything between 0 and 100, and most of what the robot
+Elsewhere a cell is free below 20 and occupied from 65 (`grid.FREE_TO`, `grid.OCCUPIED_FROM`): Nav2's defaults.
+Mappers that publish probabilities, as Cartographer does, write everything between 0 and 100, and most of what the robot
 saw would be neither. Such values are read by what is likelier: free below 50, occupied above. That leaves only those
 of exactly 50 undecided, and needs no setting that depends on the map.
 """

@@ -20,7 +20,7 @@ SHARE = 0.02
 MOST_OCCUPIED = 0.75
 """Largest share of occupied cells among known ones; maps of robots and plans have 0.02 to 0.25."""
 MOST_UNKNOWN_INSIDE = 0.4
-"""Largest share of unknown cells in what walls enclose; maps of robots and plans have 0 to 0.36."""
+"""Largest share of unknown cells within walls among those and all free ones; real maps and plans have 0 to 0.36."""
 MOST_LOOKED_AT = 1 << 22
 """Cells that are looked at for what walls enclose; larger maps are coarsened."""
 LEAST_CELLS = 100
@@ -121,8 +121,8 @@ def note_cells(cells: NDArray[np.int8], request: Request) -> None:
     unknown_inside, inside = _enclosed(cells)
     if _many(unknown_inside, inside, MOST_UNKNOWN_INSIDE):
         request.note(
-            f"unknown: {unknown_inside / inside:.0%} of what walls enclose; is a grey or value of the floor read as "
-            "unknown (--free-below sets what is free)?",
+            f"unknown: {_of(unknown_inside, inside, 'free cells and unknown ones within walls')}; is a grey or "
+            "value of the floor read as unknown (--free-below sets what is free)?",
             request.name,
         )
 
@@ -147,7 +147,7 @@ def described(cells: NDArray[np.int8], greys: NDArray[np.int64] | None) -> str:
 
 
 def _enclosed(cells: NDArray[np.int8]) -> tuple[int, int]:
-    """Number of unknown cells, and of all that are not occupied, in spaces that occupied cells close off."""
+    """Number of unknown cells in spaces that occupied cells close off, and the same with all free cells."""
     from scipy import ndimage  # noqa: PLC0415  # slow to import
 
     codes = np.zeros(cells.shape, np.uint8)
@@ -161,8 +161,8 @@ def _enclosed(cells: NDArray[np.int8]) -> tuple[int, int]:
     inside[0] = False
     for edge in (labels[0], labels[-1], labels[:, 0], labels[:, -1]):
         inside[edge] = False
-    mask = inside[labels]
-    return int(np.count_nonzero(mask & (codes == 0))), int(np.count_nonzero(mask))
+    unknown = int(np.count_nonzero(inside[labels] & (codes == 0)))
+    return unknown, unknown + int(np.count_nonzero(codes == 1))
 
 
 def _coarse(codes: NDArray[np.uint8], factor: int) -> NDArray[np.uint8]:

@@ -44,6 +44,8 @@ def decode(data: bytes, *, max_cells: int) -> NDArray[np.int8]:
     dimensions = 2
     if dtype != np.int8 or len(shape) != dimensions:
         raise MapError(f"array: wanted int8 in 2 dimensions, found {dtype} in {len(shape)}")
+    if not all(type(side) is int for side in shape):  # NumPy lets True pass
+        raise MapError("array: wanted a shape of whole numbers, found others")
     height, width = shape
     check_size(height, width, max_cells=max_cells)
     found = len(data) - stream.tell()

@@ -95,7 +95,7 @@ def _name(path: Path, kind: Kind, suffixes: frozenset[str]) -> str:
     """The name under which a file is stored: its own, with the suffix of what it is; raises MapError if unknown."""
     name = path.name.encode(errors="surrogateescape").decode(errors="replace")  # recordings store names as UTF-8
     own = Path(name).suffix.lower()
-    if kind.suffix == own or (own in suffixes and own not in BAGS and _alike(own, kind.suffix)):
+    if (own and kind.suffix == own) or (own in suffixes and own not in BAGS and _alike(own, kind.suffix)):
         return name
     if kind.suffix:
         stem = Path(name).stem if own in suffixes or own in PACKED else name

@@ -52,7 +52,8 @@ def _start(data: bytes, end: int, *, size: int) -> tuple[int, str]:
     left = len(data) - end - size
     if left == 1 and data[end - 1 : end + 1] == b"\r\n":
         return end + 1, "PGM: the header's last line ends in CR LF, reading the samples from behind both"
-    return end, f"PGM: {left} bytes left over behind the samples" if left > 0 else ""
+    odd = left > 0 and data[-left:].strip() != b""
+    return end, f"PGM: {left} bytes left over behind the samples" if odd else ""
 
 
 def _binary(data: bytes, start: int, *, count: int, wide: bool) -> NDArray[np.uint8] | NDArray[np.uint16]:

@@ -98,8 +98,8 @@ def home_of(table: object) -> Home:
     if isinstance(version, bool) or version not in VERSIONS:
         raise MapError(f"metaData.version: wanted {' or '.join(map(str, VERSIONS))}, found {shown(version)}")
     if table["metaData"].get("defaultMap"):
-        raise MapError("metaData.defaultMap: wanted a map that the robot made, found the placeholder of a robot that has "
-                       "none (let it map the home first)")  # fmt: skip
+        raise MapError("metaData.defaultMap: wanted a map that the robot made, found the placeholder of a robot "
+                       "that has none (let it map the home first)")  # fmt: skip
     cell_cm = _positive(_value(table, "pixelSize"), "pixelSize")
     size = _value(table, "size", dict)
     # The size is in centimetres in all files seen; the limit is also safe if a file gives it in cells.

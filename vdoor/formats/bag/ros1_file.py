@@ -130,7 +130,7 @@ def _chunk(fields: Fields, begin: int, size: int) -> Chunk:
 
 
 def _fields(data: bytes, at: int) -> tuple[Fields, int]:
-    """The fields of the header at a byte, and where the data behind it begins; raises `DamagedError` if it is cut short."""
+    """The fields of the header at a byte, and where the data behind it begin; raises `DamagedError` if cut short."""
     begin = at + LENGTH.size
     end = begin + _length(data, at)
     if end + LENGTH.size > len(data):
