@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
-import os
 import shutil
-import signal
 import subprocess
 import sys
 import time
@@ -15,9 +13,10 @@ from pathlib import Path
 import finished_maps
 import numpy as np
 import pytest
+from killed_jobs import die_at_first
 
 from vdoor.batch.engine import jobs_of, outcomes
-from vdoor.batch.job import Job, Outcome, done
+from vdoor.batch.job import Job
 from vdoor.errors import VdoorError
 
 VDOOR = Path(sys.executable).parent / "vdoor"
@@ -72,17 +71,10 @@ def test_a_batch_is_its_single_runs_and_a_bad_map_stops_nothing(tmp_path: Path) 
     assert "made with other settings" in call(*words, "--seed", "1", code=1).stdout
 
 
-def _die(job: Job) -> Outcome:
-    """Kill the process that works on the first house; do the others."""
-    if job.map_file.stem == "house0":
-        os.kill(os.getpid(), signal.SIGKILL)
-    return done(job)
-
-
 def test_a_process_that_is_killed_costs_its_own_map_alone(tmp_path: Path) -> None:
     pairs = jobs_of(maps(tmp_path / "maps", 2), tmp_path / "out")
     jobs = [Job(map_file=path, folder=folder, preset="paper", options={"resolution_m": 0.2}) for path, folder in pairs]
-    found = {outcome.map_file.stem: outcome for outcome in outcomes(jobs, 1, _die)}
+    found = {outcome.map_file.stem: outcome for outcome in outcomes(jobs, 1, die_at_first)}
     assert found["house0"].error == "its process ended with code -9"
     assert (found["house1"].rooms, found["house1"].error) == (2, "")
 

@@ -18,15 +18,18 @@ NARROW_M, WIDE_M = 0.5, 1.2
 """Side of the square that fits into every room, and of one that fits into no hollow furniture."""
 WALL_M = 0.25
 """Largest thickness of the sides of hollow furniture."""
+WALLED_SHARE = 0.4
+"""A small room has walls along at least this share of its boundary."""
 HOLLOW_SHARE = 0.55
 """Hollow furniture has at least this share of its boundary beside the same room: about three sides."""
 
 
-def large_parts(free: Mask, least: float, cell_m: float) -> Ints:
+def large_parts(free: Mask, wall: Mask, least: float, cell_m: float) -> Ints:
     """The 4-connected parts (h, w) of `free` that are rooms, numbered; 0 elsewhere.
 
-    They have at least `least` cells, fit a square of `NARROW_M`, and are not hollow furniture: one that fits no square
-    of `WIDE_M` does not stand in a single other part.
+    They have at least `least` cells and fit a square of `NARROW_M`. One that fits no square of `WIDE_M` is not hollow
+    furniture, that is, does not stand in a single other part; and it is not ground outside that was seen through a
+    window, that is, has `wall` cells beside much of its boundary.
     """
     labels, count = label_cells(free, connectivity=1, return_num=True)
     kept = np.zeros(count + 1, np.bool_)
@@ -36,7 +39,8 @@ def large_parts(free: Mask, least: float, cell_m: float) -> Ints:
     boxes = ndimage.find_objects(labels) if unsure.any() else []
     for number in np.flatnonzero(unsure).tolist():
         near = grown(boxes[number - 1], int(WALL_M / cell_m) + 2, free.shape)
-        kept[number] = shared_side(labels[near], number, WALL_M / cell_m) < HOLLOW_SHARE
+        hollow = shared_side(labels[near], number, WALL_M / cell_m) >= HOLLOW_SHARE
+        kept[number] = not hollow and walled_share(labels[near] == number, wall[near]) >= WALLED_SHARE
     return np.where(kept[labels], labels, 0).astype(np.int32)
 
 
@@ -70,6 +74,12 @@ def shared_side(labels: Ints, number: int, thick: float) -> float:
         return 0.0
     away = ndimage.distance_transform_edt(labels != others[cells.argmax()])
     return float((away[edge] <= thick + 1).mean())
+
+
+def walled_share(part: Mask, wall: Mask) -> float:
+    """The share of a part's boundary cells (h, w) that have a wall cell beside them."""
+    edge = part & ~ndimage.binary_erosion(part)
+    return float(ndimage.binary_dilation(wall)[edge].mean())
 
 
 def wide_enough(labels: NDArray[np.int32], chosen: Mask, width: float) -> Mask:

@@ -108,7 +108,7 @@ class SimplifyGrid:
             )
         sill = self._sills(before, known_free, frame)
         thin &= ~sill
-        free = self._reachable(known_free | thin | sill, frame)
+        free = self._reachable(known_free | thin | sill, frame, wall=before == OCCUPIED)
         reason[(known_free | thin) & ~free] = REASONS.index("unreachable")
         reason[sill & free] = REASONS.index("sill")
         free = self._without_furniture(free, thin & free, reason, frame)
@@ -147,7 +147,7 @@ class SimplifyGrid:
                 least=SPACE_M2 / frame.resolution_m**2,
             )
             # Space behind a thin line that is kept is no longer reachable.
-            free = self._reachable(known | goes, frame, free)
+            free = self._reachable(known | goes, frame, before=free)
             reason[known & ~free] = REASONS.index("unreachable")
             islands, thin = islands & free, thin & free
         reason[thin] = REASONS.index("thin unknown")
@@ -165,15 +165,16 @@ class SimplifyGrid:
         wide = free & ~narrow
         if not (narrow.any() and wide.any()):
             return free
-        kept = self._reachable(wide, frame, free)
+        kept = self._reachable(wide, frame, before=free)
         reason[narrow] = REASONS.index("slit")
         reason[wide & ~kept] = REASONS.index("unreachable")
         return kept
 
-    def _reachable(self, free: Mask, frame: Frame, before: Mask | None = None) -> Mask:
+    def _reachable(self, free: Mask, frame: Frame, *, wall: Mask | None = None, before: Mask | None = None) -> Mask:
         """The 4-connected component of `free` with the robot, or else the largest, and other rooms.
 
-        Of what was kept `before`, no part goes as a whole, and what is cut off from it must be wide to be a room.
+        Rooms are found with the cells of walls. Of what was kept `before`, no part goes as a whole, and what is cut off
+        from it must be wide to be a room.
         """
         labels, count = label_cells(free, connectivity=1, return_num=True)
         if count == 0:
@@ -182,16 +183,17 @@ class SimplifyGrid:
             )
         kept = np.zeros(count + 1, np.bool_)
         if self.least_part_m2 > 0:
-            kept[np.unique(self._parts(free, frame))] = before is None
+            if wall is not None:
+                kept[np.unique(self._parts(free, wall, frame))] = True
             if before is not None:
                 kept |= remaining(labels, before) | wide_parts(labels, *self._least(frame))
             kept[0] = False
         kept[self._own_part(labels, count, frame)] = True
         return np.asarray(kept[labels])
 
-    def _parts(self, free: Mask, frame: Frame) -> NDArray[np.int32]:
+    def _parts(self, free: Mask, wall: Mask, frame: Frame) -> NDArray[np.int32]:
         """The parts (h, w) of the free space that are rooms of their own."""
-        return large_parts(free, *self._least(frame))
+        return large_parts(free, wall, *self._least(frame))
 
     def _least(self, frame: Frame) -> tuple[float, float]:
         """The least number of cells of a part of the free space, and the size of a cell in metres."""
@@ -202,7 +204,7 @@ class SimplifyGrid:
         thick = cells_in(self.sill_m, frame)
         if not (thick and self.least_part_m2 > 0):
             return np.zeros_like(free)
-        return sills(before, self._parts(free, frame), thick, SILL_LONG_M / frame.resolution_m)
+        return sills(before, self._parts(free, before == OCCUPIED, frame), thick, SILL_LONG_M / frame.resolution_m)
 
     def _own_part(self, labels: NDArray[np.int32], count: int, frame: Frame) -> int:
         """The label of the robot's part of the free space; of the largest if its position is not known."""
