@@ -186,16 +186,16 @@ def test_notes_go_to_stderr_and_quiet_silences_them(tmp_path: Path) -> None:
     assert call("run", image, "-q").stdout.startswith("1 room, 0 doors")
 
 
-def test_robot_in_cells_and_in_metres_choose_the_same_space(tmp_path: Path) -> None:
+def test_robot_in_cells_and_in_metres_is_the_same_place(tmp_path: Path) -> None:
     image = tmp_path / "two.png"
     grey = np.zeros((30, 60), np.uint8)
     grey[2:-2, 2:20] = 254
     grey[2:-2, 24:-2] = 254
     Image.fromarray(grey).save(image)
-    small = 26 * 18 * 0.1**2
     for words in (["--robot", "1.0,1.5"], ["--robot", "9,15", "--cells"]):
         document = json.loads(call("run", image, "--resolution", "0.1", "-q", "--json", *words).stdout)
-        assert [room["area_m2"] for room in document["rooms"]] == pytest.approx([small])
+        assert document["settings"]["simplify"]["robot_m"] == pytest.approx([1.0, 1.5], abs=0.06)
+        assert len(document["rooms"]) == 2  # the place says where the robot is, not what there is
 
 
 def test_printed_settings_read_back(tmp_path: Path) -> None:

@@ -95,7 +95,7 @@ def test_help_lists_every_format() -> None:
 @pytest.mark.parametrize(
     ("words", "says"),
     [
-        (["--to", "gml"], "nav2-route"),
+        (["--to", "gml"], "did you mean 'graphml'?"),
         (["--to", "labels"], "image"),
         (["--to", "labels", "-o", "x.bmp"], ".pgm"),
         (["--to", "keepout", "-o", "x.png"], "--room"),

@@ -112,20 +112,15 @@ def test_command_and_python_find_the_same_rooms_and_doors(name: str, tmp_path: P
     same(tmp_path / "out", vdoor.run(vdoor.read_map(path)))
 
 
-def test_a_place_of_the_robot_makes_a_difference_to_both(tmp_path: Path) -> None:
-    """Or the claim above would say little of robots."""
+def test_both_homes_are_kept_wherever_the_robot_is(tmp_path: Path) -> None:
+    """Its place says where it is, not what there is."""
     areas_m2 = {}
     for name in ("nobody", "robot", "charger", "robot lost"):
         path = write_home(tmp_path / f"{name}.json", two_homes(**HOMES[name]))
         labels = vdoor.run(vdoor.read_map(path)).labels > 0
         half = labels.shape[1] // 2
         areas_m2[name] = bool(labels[:, :half].any()), bool(labels[:, half:].any())
-    assert areas_m2 == {
-        "nobody": (True, True),
-        "robot": (False, True),
-        "charger": (True, False),
-        "robot lost": (False, True),
-    }
+    assert set(areas_m2.values()) == {(True, True)}
 
 
 def test_settings_of_the_command_start_from_pythons_preset() -> None:
@@ -190,7 +185,7 @@ def test_a_recording_is_done_again_with_its_own_place_or_none(tmp_path: Path, co
         records = [record for _, record in read_recording(recording, types=RECORDS)]
         (simplified,) = (record for record in records if isinstance(record, SimplifiedGrid))
         free[name] = int((simplified.cells == FREE).sum())
-    assert free["bare"] > 1.5 * free["placed"]
+    assert free["bare"] == free["placed"]
     command("run", path, "--mcap", tmp_path / "command.mcap", "-q")
     assert (tmp_path / "command.mcap").read_bytes() == (tmp_path / "placed.mcap").read_bytes()
 

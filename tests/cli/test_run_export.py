@@ -73,7 +73,7 @@ def test_map_without_doors_has_all_but_the_route_graph(tmp_path: Path) -> None:
     [
         (["--export", "svg"], "FORMAT=FILE"),
         (["--export", "svg="], "FORMAT=FILE"),
-        (["--export", "gml={}/x.gml"], "nav2-route"),
+        (["--export", "gml={}/x.gml"], "did you mean 'graphml'?"),
         (["--export", "labels={}/x.bmp"], ".pgm"),
         (["--export", "keepout={}/x.png"], "--room"),
         (["--export", "svg={}/x.svg", "--export", "json={}/x.svg"], "twice"),

@@ -93,7 +93,7 @@ def test_the_package_is_a_command() -> None:
 def test_help_lists_every_command_in_a_group(command: commands.Command) -> None:
     lines = command("--help").out.splitlines()
     headings = [line for line in lines if line.endswith(":") and not line.startswith(" ")]
-    assert headings[-6:] == ["Run and look:", "Debug:", "Edit:", "Export:", "Measure:", "The paper:"]
+    assert headings[-7:] == ["Run and look:", "Debug:", "Drive:", "Edit:", "Export:", "Measure:", "The paper:"]
     listed = {line.split()[0] for line in lines if line.startswith("  ") and line[2:3].isalpha()}
     assert {name for name, *_ in vdoor.cli.COMMANDS} <= listed
 

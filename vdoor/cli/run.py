@@ -180,8 +180,11 @@ def _info(grid: OccupancyGrid, preset: str, pipeline: AnyPipeline, seed: int) ->
 
 
 def _note_left_out(grid: OccupancyGrid, topology: TopologicalMap) -> None:
-    """Say how much of the free space has no room, if it is more than `MOST_LEFT_OUT`."""
-    free, left_out = grid.free, grid.free & (topology.labels == 0)
+    """Say how much of the free space indoors has no room, if it is more than `MOST_LEFT_OUT`."""
+    from vdoor.method.parts import walled
+
+    free = grid.free
+    left_out = walled(free & (topology.labels == 0), grid.occupied)
     share = left_out.sum() / max(int(free.sum()), 1)
     if share > MOST_LEFT_OUT:
         area_m2 = left_out.sum() * grid.frame.resolution_m**2

@@ -76,6 +76,17 @@ def shared_side(labels: Ints, number: int, thick: float) -> float:
     return float((away[edge] <= thick + 1).mean())
 
 
+def walled(free: Mask, wall: Mask) -> Mask:
+    """The 4-connected parts (h, w) of `free` that have walls along enough of their boundary to be indoors."""
+    labels, count = label_cells(free, connectivity=1, return_num=True)
+    edge = free & ~ndimage.binary_erosion(free)
+    beside = ndimage.binary_dilation(wall)
+    cells, walls = (np.bincount(labels[where], minlength=count + 1) for where in (edge, edge & beside))
+    indoors = walls >= WALLED_SHARE * cells
+    indoors[0] = False
+    return np.asarray(indoors[labels])
+
+
 def walled_share(part: Mask, wall: Mask) -> float:
     """The share of a part's boundary cells (h, w) that have a wall cell beside them."""
     edge = part & ~ndimage.binary_erosion(part)

@@ -58,8 +58,10 @@ def _path(record: Any) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
 
 def _swept(record: Any, time_ns: int) -> Any:
     """When each cell is swept, in per cent of the path's time; -1 for cells that are not."""
-    percent = np.rint(100 * record.at_s / max(record.at_s[-1], 1e-9))
-    return occupancy_grid(np.where(record.swept > 0, percent[record.swept], -1).astype(np.int8), record.frame, time_ns)
+    swept = np.clip(record.swept, 0, len(record.at_s))  # damaged records may hold anything
+    at_s = np.nan_to_num(np.clip(record.at_s, 0, None))
+    percent = np.rint(100 * np.append(at_s / (at_s.max(initial=0) or 1.0), 1))
+    return occupancy_grid(np.where(swept > 0, percent[swept], -1).astype(np.int8), record.frame, time_ns)
 
 
 def _log(record: Record, time_ns: int) -> Any:

@@ -38,7 +38,8 @@ def draw_coverage(scene: Scene, coverage: Coverage) -> None:
 def _draw_floor(scene: Scene, coverage: Coverage) -> None:
     """Colour the swept cells by when they are swept, in pictures along the timeline of the robot."""
     total_m = coverage.length_m
-    when_m = coverage.along_m[coverage.swept]
+    last = len(coverage.along_m) - 1
+    when_m = coverage.along_m[np.clip(coverage.swept, 0, last)]  # damaged records may hold anything
     shade = np.where(coverage.swept > 0, 1 + (when_m / max(total_m, 1e-9) * (HUES - 1)).astype(np.int64), 0)
     scene.keep("coverage/floor", classes(_shades()))
     frames = min(FRAMES, max(MOST_CELLS // coverage.swept.size, 1))
