@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -9,6 +11,7 @@ from numpy.typing import NDArray
 import vdoor
 from vdoor.cli.run import _note_left_out
 from vdoor.grid import FREE, OCCUPIED, UNKNOWN, OccupancyGrid
+from vdoor.pipeline import PRESETS, Pipeline
 from vdoor.topology import TopologicalMap
 
 CELL_M = 0.05
@@ -25,7 +28,13 @@ def two_rooms(sill: int, width: int = 16) -> NDArray[np.int8]:
 
 
 def divided(cells: NDArray[np.int8]) -> TopologicalMap:
-    return vdoor.run(OccupancyGrid.from_array(cells, CELL_M))
+    """The map by `default`, with sills opened and half-seen cells handed to rooms."""
+    default = PRESETS["default"]
+    assert isinstance(default, Pipeline)
+    simplify = dataclasses.replace(default.simplify, sill_m=0.2)
+    merge = dataclasses.replace(default.merge, half_seen_m=0.25)
+    pipeline = dataclasses.replace(default, simplify=simplify, merge=merge)
+    return vdoor.run(OccupancyGrid.from_array(cells, CELL_M), pipeline)
 
 
 @pytest.mark.parametrize("sill", [1, 4])

@@ -179,7 +179,7 @@ def test_the_room_behind_an_unseen_sill_is_joined_wherever_the_robot_is(robot_m:
     cells[2:62, 64:124] = FREE
     cells[24:40, 62] = UNKNOWN
     cells[24:40, 63] = FREE
-    settings = dataclasses.replace(DEFAULT.simplify, robot_m=robot_m)
+    settings = dataclasses.replace(DEFAULT.simplify, robot_m=robot_m, sill_m=0.2)
     free = settings(OccupancyGrid.from_array(cells, CELL_M)).cells == FREE
     assert ndimage.label(free)[1] == 1
     assert free[30, 30]
