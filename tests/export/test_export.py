@@ -378,7 +378,7 @@ def test_any_map_comes_out_and_reads_back(cells: Cells) -> None:
 def test_formats_are_told_apart_and_wrong_ones_refused() -> None:
     names = [writer.name for writer in WRITERS]
     assert len(set(names)) == len(names)
-    with pytest.raises(SettingError, match="did you mean .graphml"):
+    with pytest.raises(SettingError, match="did you mean 'graphml'"):
         writer_named("gml")
     for wrong in ("svg", "svg=", "=x.svg", ""):
         with pytest.raises(SettingError):

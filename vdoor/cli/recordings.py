@@ -253,7 +253,10 @@ class _Maps:
             return ()
         one, other = self._pair.expected, self._pair.found
         if isinstance(one, TopologicalMap) and isinstance(other, TopologicalMap):
-            return tuple(result_changes(one, other, within_m=within_m))
+            try:
+                return tuple(result_changes(one, other, within_m=within_m))
+            except RecordingError:
+                return ("one of the final maps is damaged",)
         return ("only one run has a final map",)
 
 

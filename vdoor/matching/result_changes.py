@@ -38,7 +38,7 @@ def _room_changes(old: TopologicalMap, new: TopologicalMap, within_m: float) -> 
     pairs, shared = np.unique(
         np.stack([under[tuple(cells.T)], new.labels[tuple(cells.T)]], axis=1), axis=0, return_counts=True
     )
-    sizes = {key: np.bincount(labels.ravel()) for key, labels in (("old", under), ("new", new.labels))}
+    sizes = {key: _sizes(labels) for key, labels in (("old", under), ("new", new.labels))}
     for (one, other), count in zip(pairs.tolist(), shared.tolist(), strict=True):
         if one and count >= LINKED * min(sizes["old"][one], sizes["new"][other]):
             links.add_edge(("old", one), ("new", other))
@@ -48,6 +48,12 @@ def _room_changes(old: TopologicalMap, new: TopologicalMap, within_m: float) -> 
         after = sorted(room for side, room in group if side == "new")
         lines += _room_line(before, after, under, new, within_m)
     return lines
+
+
+def _sizes(labels: NDArray[np.int32]) -> dict[int, int]:
+    """The number of cells of each label, which may be any number."""
+    label, cells = np.unique(labels, return_counts=True)
+    return dict(zip(label.tolist(), cells.tolist(), strict=True))
 
 
 def _room_line(

@@ -114,6 +114,7 @@ def distance(expected: NDArray[Any], found: NDArray[Any]) -> NDArray[np.float64]
     return np.where(same, 0.0, np.where(np.isnan(apart), np.inf, apart))
 
 
+@np.errstate(over="ignore", invalid="ignore")  # damaged records may hold anything
 def places(record: Record, table: str) -> Places | None:
     """Positions of a table's elements, from its column of cells or else of points in metres; None if it has neither."""
     frame = getattr(record, "frame", None)
@@ -178,6 +179,7 @@ def _row_difference(field: _Field) -> Difference:
     return Difference(field=f"{table} rows", count=apart, total=max(rows, now), worst=worst)
 
 
+@np.errstate(over="ignore", invalid="ignore")  # as above
 def _where(record: Record, field: _Field, index: tuple[int, ...]) -> dict[str, Any]:
     """Cell and point of an element, as fields of `Worst`; empty if it has no position on the map."""
     spec, frame = field.spec, getattr(record, "frame", None)
