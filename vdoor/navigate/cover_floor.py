@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Annotated, ClassVar
+from typing import TYPE_CHECKING, Annotated, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,17 +15,20 @@ from vdoor.errors import SettingError
 from vdoor.formats import read_annotations
 from vdoor.frame import Frame
 from vdoor.grid import Annotations, OccupancyGrid
+from vdoor.navigate import LEAVE, ROBOT_RADIUS_M, TOOL_M, TRADE
 from vdoor.navigate.blocked import Restrictions, blocked_cells
 from vdoor.navigate.coverage.measures import Motion, measured
 from vdoor.navigate.coverage.path import KINDS
-from vdoor.navigate.coverage.plan import Covered, Task, cover
-from vdoor.navigate.find_route import ROBOT_RADIUS_M, FindRoute, headings
-from vdoor.navigate.places import Standing, standing_at, standing_in
+from vdoor.navigate.find_route import FindRoute, headings
+from vdoor.navigate.places import Standing, standing_at, standing_in, standing_on
 from vdoor.navigate.room_table import Tables
 from vdoor.navigate.space import Space
 from vdoor.navigate.targets import Target
 from vdoor.record import Record, Spec
 from vdoor.topology import TopologicalMap
+
+if TYPE_CHECKING:
+    from vdoor.navigate.coverage.plan import Covered
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int32]
@@ -107,12 +110,12 @@ class CoverFloor:
     """Whether the robot mops, and so keeps out of no-mop areas."""
     radius_m: Annotated[float, Within(0.001, 10)] = ROBOT_RADIUS_M
     """Clearance that is kept everywhere: the robot's radius."""
-    tool_m: Annotated[float, Within(0.01, 10)] = 0.30
+    tool_m: Annotated[float, Within(0.01, 10)] = TOOL_M
     """Width of the tool."""
-    trade: Annotated[float, Within(0, 1)] = 0.15
+    trade: Annotated[float, Within(0, 1)] = TRADE
     """How much area may stay uncovered for a length saved, as a share of what the tool sweeps on that length: the dial
     between coverage and length."""
-    leave: Annotated[float, Within(0, 1)] = 0.02
+    leave: Annotated[float, Within(0, 1)] = LEAVE
     """Largest share of the floor that may stay uncovered for a shorter path."""
     bend_m: Annotated[float, Within(0, 10)] = 0.3
     """What a bend of the path costs, as a length."""
@@ -142,6 +145,8 @@ class CoverFloor:
         tables: Tables | None = None,
     ) -> Coverage:
         """The path on a map with restrictions; `tables` is not needed."""
+        from vdoor.navigate.coverage.plan import Task, cover  # noqa: PLC0415  # shapely, which only this stage needs
+
         del tables
         if self.unit not in UNITS:
             raise SettingError(f"unit: wanted {' or '.join(UNITS)}, found {self.unit!r}")
@@ -202,7 +207,7 @@ class CoverFloor:
         for row in np.argsort(-topology.area_m2, kind="stable").tolist():
             if standing := standing_in(space, topology, topology.room_ids[row]):
                 own = (space.parts == space.parts[standing.cell]) & (topology.labels == topology.room_ids[row])
-                return standing_at(space, _centre_m(space, np.argwhere(own)[:1]), what="start")
+                return standing_on(space, *np.argwhere(own)[0].tolist())
         raise SettingError(f"radius_m: wanted a robot that fits into a room, found a radius of {self.radius_m:g} m")
 
     def _end(self, space: Space, topology: TopologicalMap, start: Standing) -> Floats | None:
@@ -224,13 +229,11 @@ class CoverFloor:
 
     def _record(self, found: Covered, space: Space, topology: TopologicalMap, rooms: Sequence[int]) -> Coverage:
         frame, path = space.frame, found.path
-        motion = Motion(speed_m_s=self.speed_m_s, turn_rad_s=self.turn_rad_s)
-        figures = measured(
-            path, found.tool, found.wanted, topology.labels, frame, radius_m=self.radius_m, motion=motion
-        )
+        figures = measured(path, found.swept, found.wanted, topology.labels, space, tool_m=self.tool_m)
         point_m = frame.world_from_cell(path.point)
         step_m = np.diff(point_m, axis=0)
         reached = np.bincount(topology.labels[found.wanted], minlength=max(rooms) + 1)
+        motion = Motion(speed_m_s=self.speed_m_s, turn_rad_s=self.turn_rad_s)
         at_s = motion.times_s(path, frame.resolution_m)
         last = np.searchsorted(path.visit, np.arange(len(found.room)), "right") - 1
         return Coverage(
@@ -261,13 +264,6 @@ class CoverFloor:
 
 def first_swept(found: Covered) -> Ints:
     """The number of the segment that sweeps each cell first (h, w), from 1 on; 0 for none."""
-    swept = found.tool.swept(found.path.point[:-1], found.path.point[1:])
     first = np.zeros(found.wanted.size, np.int32)
-    first[swept.cell[::-1]] = swept.segment[::-1] + 1  # the last assignment stays
+    first[found.swept.cell[::-1]] = found.swept.segment[::-1] + 1  # the last assignment stays
     return first.reshape(found.wanted.shape)
-
-
-def _centre_m(space: Space, cell: NDArray[np.intp]) -> tuple[float, float]:
-    """The centre of one cell (1, 2), x, y."""
-    x_m, y_m = space.frame.world_from_cell(cell)[0].tolist()
-    return x_m, y_m

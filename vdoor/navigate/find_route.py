@@ -18,6 +18,7 @@ from vdoor.formats import read_annotations
 from vdoor.frame import Frame
 from vdoor.grid import Annotations, OccupancyGrid
 from vdoor.method.final_doors import to_segment_m
+from vdoor.navigate import ROBOT_RADIUS_M
 from vdoor.navigate.blocked import Restrictions, blocked_cells
 from vdoor.navigate.obstacles import KINDS, Obstacle, in_the_way
 from vdoor.navigate.places import Standing
@@ -32,8 +33,6 @@ from vdoor.topology import TopologicalMap
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int32]
 
-ROBOT_RADIUS_M = 0.17
-"""The radius of a usual robot vacuum."""
 BACK_AND_FORTH_M = 0.3
 """A path along the jagged line between two rooms passes it again within this distance."""
 

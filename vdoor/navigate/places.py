@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -34,6 +34,12 @@ class Standing:
         return f"{what}: moved by {self.moved_m:.2f} m to {x_m:.2f},{y_m:.2f}, where the robot fits"
 
 
+def standing_on(space: Space, row: int, col: int) -> Standing:
+    """Where the robot stands on a cell, which must be allowed."""
+    x_m, y_m = space.frame.world_from_cell(np.array([(row, col)]))[0].tolist()
+    return Standing((row, col), (x_m, y_m))
+
+
 def standing_at(space: Space, place_m: Point, *, what: str) -> Standing:
     """The cell of a place, or the nearest allowed cell within the robot's radius, the first in reading order at a tie.
 
@@ -42,7 +48,7 @@ def standing_at(space: Space, place_m: Point, *, what: str) -> Standing:
     place = space.frame.cell_from_world(np.array([place_m]))[0]
     row, col = np.floor(place + 0.5).astype(int).tolist()
     if _inside(space, row, col) and space.allowed[row, col]:
-        return Standing((row, col), _centre_m(space, (row, col)))
+        return standing_on(space, row, col)
     reach = space.radius_m / space.frame.resolution_m
     low = np.maximum(np.ceil(place - reach).astype(int), 0)
     high = np.maximum(np.floor(place + reach).astype(int) + 1, 0)
@@ -53,8 +59,8 @@ def standing_at(space: Space, place_m: Point, *, what: str) -> Standing:
         within = f"a place within {space.radius_m:g} m of where the robot fits"
         raise SettingError(f"{what}: wanted {within}, found none near {at}")
     nearest = int(np.argmin(apart))
-    cell = (int(cells[nearest, 0]), int(cells[nearest, 1]))
-    return Standing(cell, _centre_m(space, cell), float(apart[nearest]) * space.frame.resolution_m)
+    moved_m = float(apart[nearest]) * space.frame.resolution_m
+    return replace(standing_on(space, *cells[nearest].tolist()), moved_m=moved_m)
 
 
 def standing_in(space: Space, topology: TopologicalMap, room: int, box: Box | None = None) -> Standing | None:
@@ -72,13 +78,8 @@ def standing_in(space: Space, topology: TopologicalMap, room: int, box: Box | No
     part = space.parts[tuple(cells.T)]
     cells = cells[part == np.argmax(np.bincount(part))]
     row, col = cells[np.argmin(((cells - centre) ** 2).sum(axis=1))].tolist()
-    return Standing((row, col), _centre_m(space, (row, col)))
+    return standing_on(space, row, col)
 
 
 def _inside(space: Space, row: int, col: int) -> bool:
     return 0 <= row < space.frame.height and 0 <= col < space.frame.width
-
-
-def _centre_m(space: Space, cell: Cell) -> Point:
-    x_m, y_m = space.frame.world_from_cell(np.array([cell]))[0].tolist()
-    return x_m, y_m

@@ -7,9 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from vdoor.frame import Frame
 from vdoor.navigate.coverage.path import Path, norms
-from vdoor.navigate.coverage.sweep import Tool, consecutive
+from vdoor.navigate.coverage.sweep import Swept, consecutive
+from vdoor.navigate.sight import least_clearance
+from vdoor.navigate.space import Space
 
 Mask = NDArray[np.bool_]
 Ints = NDArray[np.intp]
@@ -18,8 +19,6 @@ Floats = NDArray[np.float64]
 
 TURN_RAD = np.radians(10.0)
 """A smaller change of heading is driven without slowing down and is no turn."""
-NEAR = 2.0
-"""Cells up to so much farther away than the clearance are looked at for the least one, in cells."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -38,8 +37,6 @@ class Measures:
     turns_per_m2: float
     rotation_rad: float
     """Sum of all changes of heading."""
-    time_s: float
-    """At a constant speed, with a stop at each turn."""
     clearance_m: float
     """Least distance from the path to the edge of a cell that must not be touched."""
     room_changes: int
@@ -61,29 +58,26 @@ class Motion:
         return np.concatenate([[0.0], np.cumsum(turning[: len(lengths_m)] + lengths_m / self.speed_m_s)])
 
 
-def measured(
-    path: Path, tool: Tool, wanted: Mask, labels: Labels, frame: Frame, *, radius_m: float, motion: Motion
-) -> Measures:
-    """The figures of a path for a robot of that radius; `wanted` are the cells to be swept, `labels` their rooms."""
-    swept = tool.swept(path.point[:-1], path.point[1:])
+def measured(path: Path, swept: Swept, wanted: Mask, labels: Labels, space: Space, *, tool_m: float) -> Measures:
+    """The figures of a path that sweeps the cells `swept`; `wanted` are those to be swept, `labels` their rooms."""
+    resolution_m = space.frame.resolution_m
     times = np.bincount(swept.cell, minlength=wanted.size)
     own = wanted & (times.reshape(wanted.shape) > 0)
-    area_m2 = np.count_nonzero(own) * frame.resolution_m**2
-    length_m = path.length * frame.resolution_m
+    area_m2 = np.count_nonzero(own) * resolution_m**2
+    length_m = path.length * resolution_m
     bends_rad = path.bends_rad()
     turns = int(np.count_nonzero(bends_rad > TURN_RAD))
-    times_s = motion.times_s(path, frame.resolution_m)
+    again = _again(path, swept, wanted.size, tool_m / resolution_m)
     return Measures(
         covered=_share(np.count_nonzero(own), np.count_nonzero(wanted)),
         length_m=length_m,
-        excess=_share(length_m * 2 * tool.reach * frame.resolution_m, area_m2),
-        swept_twice=_share(np.count_nonzero(_again(path, tool) & own.reshape(-1)), np.count_nonzero(own)),
+        excess=_share(length_m * tool_m, area_m2),
+        swept_twice=_share(np.count_nonzero(again & own.reshape(-1)), np.count_nonzero(own)),
         turns=turns,
         turns_per_m2=_share(turns, area_m2),
         rotation_rad=float(bends_rad.sum()),
-        time_s=float(times_s[-1]),
-        clearance_m=clearance(path.point, tool.blocked, radius_m / frame.resolution_m) * frame.resolution_m,
-        room_changes=len(rooms_passed(path, labels, 2 * tool.reach)) - 1,
+        clearance_m=least_clearance(space, path.point),
+        room_changes=len(rooms_passed(path, labels, tool_m / resolution_m)) - 1,
     )
 
 
@@ -91,14 +85,13 @@ def _share(part: float | np.integer, whole: float | np.integer) -> float:
     return float(part) / float(whole) if whole else 0.0
 
 
-def _again(path: Path, tool: Tool) -> Mask:
+def _again(path: Path, swept: Swept, cells: int, width: float) -> Mask:
     """The cells (h w,) that are swept again after the path has gone on by more than the tool's width."""
-    segment, cell = tool.swept(path.point[:-1], path.point[1:])
     gone = np.concatenate([[0.0], np.cumsum(norms(np.diff(path.point, axis=0)))])
-    order = np.lexsort((segment, cell))
-    segment, cell = segment[order], cell[order]
-    later = (cell[1:] == cell[:-1]) & (gone[segment[1:]] - gone[segment[:-1] + 1] > 2 * tool.reach)
-    again = np.zeros(tool.blocked.size, np.bool_)
+    order = np.lexsort((swept.segment, swept.cell))
+    segment, cell = swept.segment[order], swept.cell[order]
+    later = (cell[1:] == cell[:-1]) & (gone[segment[1:]] - gone[segment[:-1] + 1] > width)
+    again = np.zeros(cells, np.bool_)
     again[cell[1:][later]] = True
     return again
 
@@ -119,29 +112,3 @@ def rooms_passed(path: Path, labels: Labels, least: float) -> list[int]:
         kept = (room[first] > 0) & (length >= enough)
         room = np.repeat(room[first][kept], length[kept])
     return [int(number) for number in room[np.concatenate([[True], room[1:] != room[:-1]])[: len(room)]]]
-
-
-def clearance(point: Floats, blocked: Mask, expected: float) -> float:
-    """Least distance in cells from a polyline (k, 2) to a blocked cell, taken as a square; all outside is blocked.
-
-    Infinite if nothing is within `expected` and two cells.
-    """
-    pad = int(np.ceil(expected + NEAR)) + 1
-    padded = np.pad(blocked, pad, constant_values=True)
-    start, end = point[:-1] + pad, point[1:] + pad
-    near = Tool(expected + NEAR, ~padded, hidden=False).swept(start, end)
-    square = np.stack(np.divmod(near.cell, padded.shape[1]), axis=1).astype(np.float64)
-    a, b = start[near.segment], end[near.segment]
-    apart = [_to_square(a, square), _to_square(b, square)]
-    apart += [_to_segment(square + corner, a, b) for corner in ((-0.5, -0.5), (-0.5, 0.5), (0.5, -0.5), (0.5, 0.5))]
-    return float(np.min(apart)) if len(near.cell) else np.inf
-
-
-def _to_square(point: Floats, square: Floats) -> Floats:
-    return norms(np.maximum(np.abs(point - square) - 0.5, 0))
-
-
-def _to_segment(point: Floats, start: Floats, end: Floats) -> Floats:
-    along = end - start
-    share = ((point - start) * along).sum(axis=1) / np.maximum((along**2).sum(axis=1), 1e-12)
-    return norms(point - start - np.clip(share, 0, 1)[:, None] * along)

@@ -41,7 +41,6 @@ class Net:
         node = np.concatenate([points, corners])
         sure = [sides + len(points), *([] if lines is None else [lines])]
         inside = grown(floor, SNAP)
-        shapely.prepare(inside)
         tried = _pairs(node, len(points))
         seen = tried[shapely.covers(inside, shapely.linestrings(node[tried]))]
         pair = np.unique(np.sort(np.concatenate([*sure, seen]), axis=1), axis=0)

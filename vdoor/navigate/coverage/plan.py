@@ -15,7 +15,7 @@ from vdoor.navigate.coverage.net import Net
 from vdoor.navigate.coverage.path import Path
 from vdoor.navigate.coverage.pieces import Piece, lanes, wall_passes
 from vdoor.navigate.coverage.polish import Polish
-from vdoor.navigate.coverage.sweep import Tool
+from vdoor.navigate.coverage.sweep import Swept, Tool
 from vdoor.navigate.coverage.tour import tour_of
 from vdoor.navigate.coverage.visits import Parts, Round, Visit
 from vdoor.navigate.space import Space
@@ -23,9 +23,6 @@ from vdoor.navigate.space import Space
 Mask = NDArray[np.bool_]
 Ints = NDArray[np.int32]
 Floats = NDArray[np.float64]
-
-STEPS = (1 / 8, 1 / 4, 1 / 2, 1)
-"""Polishing begins with changes that cost little: at these shares of the trade, one after the other."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -59,7 +56,8 @@ class Covered:
     """The room of each visit, in order."""
     wanted: Mask
     """The cells that the tool could sweep in the rooms (h, w)."""
-    tool: Tool
+    swept: Swept
+    """What the tool sweeps along the path, segment by segment."""
 
 
 def cover(task: Task) -> Covered:
@@ -74,12 +72,10 @@ def cover(task: Task) -> Covered:
     ends = np.stack([nearest_on(site.floor, at) for at in (task.start, task.start if task.end is None else task.end)])
     ways = Parts.of(site.floor, [part.floor for part in parts], ends)
     tour = ways.round(chosen, ends=task.end is not None, ordered=task.ordered)
-    path = _driven(site, parts, tour)
-    for share in STEPS:
-        trade = share * task.trade
-        polish = Polish(floor=site.floor, tool=tool, wanted=wanted, trade=trade, bend=task.bend, leave=task.leave)
-        path = polish(path)
-    return Covered(path, [parts[visit.part].room for visit in tour.visits], wanted, tool)
+    polish = Polish(floor=site.floor, tool=tool, wanted=wanted, trade=task.trade, bend=task.bend, leave=task.leave)
+    path = polish(_driven(site, parts, tour))
+    swept = tool.swept(path.point[:-1], path.point[1:])
+    return Covered(path, [parts[visit.part].room for visit in tour.visits], wanted, swept)
 
 
 @dataclass(frozen=True, eq=False)

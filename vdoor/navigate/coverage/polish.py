@@ -21,6 +21,8 @@ Mask = NDArray[np.bool_]
 Ints = NDArray[np.intp]
 Floats = NDArray[np.float64]
 
+STEPS = (1 / 8, 1 / 4, 1 / 2, 1)
+"""Polishing begins with changes that cost little: at these shares of the trade, one after the other."""
 MOST_ROUNDS = 100
 BEND_RAD = np.radians(5.0)
 """A smaller change of heading is no bend."""
@@ -69,7 +71,8 @@ class Polish:
     wanted: Mask
     """The cells to be swept (h, w)."""
     trade: float
-    """How much area may be lost for a length saved, as a share of what the tool sweeps on that length."""
+    """How much area may be lost for a length saved, as a share of what the tool sweeps on that length; at first less,
+    see `STEPS`."""
     bend: float
     """What a bend costs, as a length in cells."""
     leave: float
@@ -78,13 +81,18 @@ class Polish:
     def __call__(self, path: Path) -> Path:
         """The path after all worthwhile changes; its ends stay."""
         inside = grown(self.floor, SNAP)
-        shapely.prepare(inside)
+        for share in STEPS:
+            path = self._polished(path, inside, share * self.trade)
+        return path
+
+    def _polished(self, path: Path, inside: shapely.Geometry, trade: float) -> Path:
+        """The path after all changes that are worth it at one trade."""
         active = np.ones(len(path.point), np.bool_)
         for _ in range(MOST_ROUNDS):
-            changes = self._possible(path, active, inside)
+            changes = self._possible(path, active, inside, trade)
             if not len(changes.first):
                 break
-            worth = self._worth(path, changes)
+            worth = self._worth(path, changes, trade)
             taken = _independent(worth, changes, len(path.point), self.wanted.size)
             taken = taken[np.cumsum(np.maximum(worth.lost[taken], 0)) <= max(worth.spare, 0)]
             if not len(taken):
@@ -93,19 +101,19 @@ class Polish:
             path, active = _changed(path, changes.chosen(taken), active)
         return path
 
-    def _possible(self, path: Path, active: Mask, inside: shapely.Geometry) -> Changes:
+    def _possible(self, path: Path, active: Mask, inside: shapely.Geometry, trade: float) -> Changes:
         """Changes near active points that save length or bends, and stay on the floor."""
         found = (_left_out(path.point), _joined(path.point, 2 * LONGEST_EXTENSION * self.tool.reach))
         changes = Changes(*(np.concatenate(columns) for columns in zip(*found, strict=True)))
         near = np.cumsum(np.concatenate([[0], active]))
         changes = changes.chosen(np.flatnonzero(near[changes.first + changes.gone + 1] > near[changes.first]))
-        changes = changes.chosen(np.flatnonzero(self._saved(path, changes) > EPSILON))
+        changes = changes.chosen(np.flatnonzero(self._saved(path, changes, trade) > EPSILON))
         corners = np.stack(
             [path.point[changes.first], changes.middle, path.point[changes.first + changes.gone]], axis=1
         )
         return changes.chosen(np.flatnonzero(shapely.covers(inside, shapely.linestrings(corners))))
 
-    def _saved(self, path: Path, changes: Changes) -> Floats:
+    def _saved(self, path: Path, changes: Changes, trade: float) -> Floats:
         """Length and bends that changes save (k,), in cells of area."""
         point = path.point
         start, end = changes.first, changes.first + changes.gone
@@ -120,11 +128,9 @@ class Polish:
             + (bends_rad(changes.middle, point[end], after) > BEND_RAD)
             + ~changes.straight
         )
-        return np.asarray(
-            2 * self.tool.reach * self.trade * (shorter + self.bend * (bent[end + 1] - bent[start] - bends))
-        )
+        return np.asarray(2 * self.tool.reach * trade * (shorter + self.bend * (bent[end + 1] - bent[start] - bends)))
 
-    def _worth(self, path: Path, changes: Changes) -> Worth:
+    def _worth(self, path: Path, changes: Changes, trade: float) -> Worth:
         """What is saved, less the wanted cells that only the old segments sweep, plus those that are new."""
         size = self.wanted.size
         segment, cell = self._swept(path.point[:-1], path.point[1:])
@@ -145,7 +151,7 @@ class Polish:
         less = np.bincount(lost // size, minlength=len(start)) - np.bincount(gained // size, minlength=len(start))
         wanted = np.count_nonzero(self.wanted)
         spare = self.leave * wanted - (wanted - np.count_nonzero(times))
-        return Worth(self._saved(path, changes) - less, less, spare, change, old)
+        return Worth(self._saved(path, changes, trade) - less, less, spare, change, old)
 
     def _swept(self, start: Floats, end: Floats) -> tuple[Ints, Ints]:
         segment, cell = self.tool.swept(start, end)
