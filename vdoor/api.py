@@ -11,13 +11,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vdoor.config import DEFAULT_PRESET
-from vdoor.emit import Emit, silent
+from vdoor import __version__
+from vdoor.config import DEFAULT_PRESET, settings_of
+from vdoor.emit import Emit, RunInfo, silent
 from vdoor.errors import MapError, MapWarning
 from vdoor.formats import described, read_annotations
 from vdoor.grid import OccupancyGrid, Source
 from vdoor.method.simplify import SimplifyGrid
-from vdoor.pipeline import AnyPipeline, preset_named
+from vdoor.pipeline import METHODS, AnyPipeline, preset_named
 from vdoor.topology import TopologicalMap
 
 
@@ -68,6 +69,12 @@ def run_prepared(grid: OccupancyGrid, pipeline: AnyPipeline, *, seed: int = 0, e
     except MapError as error:
         raise MapError(f"{error}; {described(grid)}") from error
     return in_own_frame(topology, grid.source)
+
+
+def run_info(grid: OccupancyGrid, preset: str, pipeline: AnyPipeline, seed: int) -> RunInfo:
+    """What a recording or result says of a run with a prepared pipeline."""
+    settings = settings_of(pipeline, METHODS)
+    return RunInfo(version=__version__, preset=preset, seed=seed, settings=settings, source=grid.source)
 
 
 class Placed(NamedTuple):

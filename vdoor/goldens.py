@@ -11,14 +11,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vdoor import __version__
-from vdoor.config import replaced, settings_of
-from vdoor.emit import Recorder, RunInfo
+from vdoor.api import run_info
+from vdoor.config import replaced
+from vdoor.emit import Recorder
 from vdoor.errors import RecordingError, printable
 from vdoor.files import make_folder, partial_name
 from vdoor.formats import read_map, read_source
 from vdoor.grid import OccupancyGrid, Source
-from vdoor.pipeline import METHODS, RECORDS, preset_named
+from vdoor.pipeline import RECORDS, preset_named
 from vdoor.recording.diff import compare, runs_that_differ
 from vdoor.recording.diff_report import lines, setting_line
 from vdoor.recording.mcap import McapSink, read_recording
@@ -124,10 +124,8 @@ def remade(folder: Path) -> Iterator[str]:
 def record(grid: OccupancyGrid, path: Path, preset: str) -> Path:
     """The recording of a run of a preset on a grid; removed again if the run fails."""
     pipeline = preset_named(preset)
-    settings = settings_of(pipeline, METHODS)
-    info = RunInfo(version=__version__, preset=preset, seed=SEED, settings=settings, source=grid.source)
     try:
-        sink = McapSink(path, info)
+        sink = McapSink(path, run_info(grid, preset, pipeline, SEED))
         pipeline(grid, np.random.default_rng(SEED), Recorder([sink]))
         sink.close()
     except BaseException:

@@ -27,6 +27,8 @@ FLAT = project.HOME / "recordings" / "flat.yaml"
             ("run", FLAT, "--mcap", "y.rrd"),
             "--mcap: wanted a file name ending in .mcap; --save writes Rerun recordings",
         ),
+        (("cover", FLAT, "--save", "y.mcap"), "--save: wanted a file name ending in .rrd; --mcap writes MCAP: y.mcap"),
+        (("route", FLAT, "1", "4", "--mcap", "y.rrd"), "--mcap: wanted a file name ending in .mcap"),
         (("why", "x.rrd", "--at", "1,1"), "wanted an MCAP file, found a Rerun recording; `vdoor run --mcap` writes"),
         (("info", "x.png"), "wanted an MCAP file, found a PNG image: x.png"),
         (("info", "."), "wanted an MCAP file, found a folder: ."),

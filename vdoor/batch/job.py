@@ -10,9 +10,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from vdoor import __version__
-from vdoor.api import prepared, run_prepared
-from vdoor.config import DEFAULT_PRESET, settings_of, with_settings
+from vdoor.api import prepared, run_info, run_prepared
+from vdoor.config import DEFAULT_PRESET, with_settings
 from vdoor.emit import RunInfo, Stopwatch, silent
 from vdoor.errors import VdoorError
 from vdoor.evaluate.label_files import read_table
@@ -81,8 +80,7 @@ def _done(job: Job) -> Outcome:
         grid = read_map(job.map_file, **job.options)
     pipeline = with_settings(preset_named(job.preset), job.settings, METHODS)
     pipeline = prepared(pipeline, grid).pipeline
-    settings = settings_of(pipeline, METHODS)
-    info = RunInfo(version=__version__, preset=job.preset, seed=job.seed, settings=settings, source=grid.source)
+    info = run_info(grid, job.preset, pipeline, job.seed)
     before = _before(job)
     if before is not None and _same(before, info):
         return _outcome(job, before, 0.0)

@@ -7,10 +7,22 @@ from typing import Annotated
 
 import typer
 
-from vdoor.cli.navigate import PLACE, ROBOT_RADIUS_M, Avoid, Closed, Radius, Running, Source, done_on
+from vdoor.cli.navigate import (
+    PLACE,
+    Avoid,
+    Closed,
+    Exports,
+    Radius,
+    Running,
+    Save,
+    Source,
+    done_on,
+    path_exports,
+)
 from vdoor.cli.options import Force, Json, MaxCells, Preset, Resolution, Seed, Set, Unknown
 from vdoor.config import DEFAULT_PRESET
 from vdoor.errors import SettingError, say
+from vdoor.navigate import LEAVE, ROBOT_RADIUS_M, TOOL_M, TRADE
 
 
 def cover(
@@ -30,20 +42,17 @@ def cover(
     closed: Closed = None,
     mop: Annotated[bool, typer.Option("--mop", help="Keep out of the map's no-mop areas.")] = False,
     robot_radius: Radius = ROBOT_RADIUS_M,
-    tool_width: Annotated[float, typer.Option(min=0.01, max=10, metavar="M", help="Width that is swept.")] = 0.30,
+    tool_width: Annotated[float, typer.Option(min=0.01, max=10, metavar="M", help="Width that is swept.")] = TOOL_M,
     leave: Annotated[
         float, typer.Option(min=0, max=1, help="Share that may stay uncovered for a shorter path.")
-    ] = 0.02,
+    ] = LEAVE,
     tau: Annotated[
         float, typer.Option(min=0, max=1, help="Area given up per area saved in length: 0 sweeps all it can.")
-    ] = 0.15,
+    ] = TRADE,
     speed: Annotated[float, typer.Option(min=0.001, max=10, metavar="M/S", help="Speed of the robot.")] = 0.3,
     turn_rate: Annotated[float, typer.Option(min=0.001, max=100, metavar="RAD/S", help="Its speed in turns.")] = 1.5,
-    export: Annotated[
-        list[str] | None,
-        typer.Option("--export", metavar="FORMAT=FILE", help="The path as csv, geojson or waypoints; repeatable."),
-    ] = None,
-    save: Annotated[Path | None, typer.Option(metavar="FILE.rrd", help="Rerun recording, for viewing.")] = None,
+    export: Exports = None,
+    save: Save = None,
     mcap: Annotated[Path | None, typer.Option(metavar="FILE.mcap", help="Recording of the run with the path.")] = None,
     preset: Preset = DEFAULT_PRESET,
     set_: Set = None,
@@ -58,8 +67,7 @@ def cover(
     import json
 
     from vdoor.explain.coverage import document_of, figures
-    from vdoor.export.paths import DrivenPath, PathExport
-    from vdoor.files import refuse_existing
+    from vdoor.export.paths import DrivenPath
     from vdoor.navigate.cover_floor import BACK, Coverage, CoverFloor
     from vdoor.outputs import Outputs
 
@@ -67,9 +75,8 @@ def cover(
         raise SettingError("--return: wanted no --end beside it, found one")
     if keep_order and not room:
         raise SettingError("--order: wanted the rooms in order, by --room, found none")
-    exports = [PathExport.parse(text) for text in export or ()]
     outputs = Outputs(save=save, mcap=mcap)
-    refuse_existing([*outputs.files, *(item.path for item in exports)], force=force, reads=[source])
+    exports = path_exports(export or (), outputs, source, force=force)
     task = CoverFloor(
         unit=unit,
         rooms=tuple(room or ()),

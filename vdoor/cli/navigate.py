@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from vdoor import __version__
 from vdoor.cli.options import (
     Force,
     Json,
@@ -21,14 +19,17 @@ from vdoor.cli.options import (
     Set,
     Unknown,
     chosen_pipeline,
+    naming,
     prepared_pipeline,
     read_grid,
 )
 from vdoor.config import DEFAULT_PRESET
 from vdoor.errors import SettingError, say
+from vdoor.navigate import ROBOT_RADIUS_M
 
 if TYPE_CHECKING:
-    from vdoor.emit import RunInfo, Sink
+    from vdoor.emit import Sink
+    from vdoor.export.paths import PathExport
     from vdoor.grid import OccupancyGrid
     from vdoor.navigate.find_route import FindRoute, Route
     from vdoor.navigate.tasks import Task
@@ -38,7 +39,6 @@ if TYPE_CHECKING:
     from vdoor.record import Record
     from vdoor.topology import TopologicalMap
 
-ROBOT_RADIUS_M = 0.17
 Source = Annotated[
     Path,
     typer.Argument(metavar="RESULT|MAP", help="Folder from `vdoor run --out`, .mcap, or a map, which is run."),
@@ -51,6 +51,12 @@ Avoid = Annotated[list[str] | None, typer.Option("--avoid", metavar="ROOM", help
 Closed = Annotated[
     list[str] | None, typer.Option("--closed", metavar="DOOR", help="Door that is closed, by id or X,Y; repeatable.")
 ]
+
+Exports = Annotated[
+    list[str] | None,
+    typer.Option("--export", metavar="FORMAT=FILE", help="The path as csv, geojson or waypoints; repeatable."),
+]
+Save = Annotated[Path | None, typer.Option(metavar="FILE.rrd", help="Rerun recording, for viewing.")]
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -78,15 +84,6 @@ class Running:
         """The prepared pipeline for a map."""
         return prepared_pipeline(chosen_pipeline(self.preset, None, self.assignments), grid, quiet=False)
 
-    def info(self, grid: OccupancyGrid, pipeline: AnyPipeline) -> RunInfo:
-        """What a recording of the run says of it."""
-        from vdoor.config import settings_of
-        from vdoor.emit import RunInfo
-        from vdoor.pipeline import METHODS
-
-        settings = settings_of(pipeline, METHODS)
-        return RunInfo(version=__version__, preset=self.preset, seed=self.seed, settings=settings, source=grid.source)
-
 
 def route(
     source: Source,
@@ -97,11 +94,8 @@ def route(
     avoid: Avoid = None,
     closed: Closed = None,
     robot_radius: Radius = ROBOT_RADIUS_M,
-    export: Annotated[
-        list[str] | None,
-        typer.Option("--export", metavar="FORMAT=FILE", help="The path as csv, geojson or waypoints; repeatable."),
-    ] = None,
-    save: Annotated[Path | None, typer.Option(metavar="FILE.rrd", help="Rerun recording, for viewing.")] = None,
+    export: Exports = None,
+    save: Save = None,
     mcap: Annotated[Path | None, typer.Option(metavar="FILE.mcap", help="Recording of the run with the route.")] = None,
     preset: Preset = DEFAULT_PRESET,
     set_: Set = None,
@@ -113,14 +107,11 @@ def route(
     as_json: Json = False,
 ) -> None:
     """Find a path between rooms or places: 0 if there is one, or 1 and what is in the way."""
-    from vdoor.export.paths import PathExport
-    from vdoor.files import refuse_existing
     from vdoor.navigate.find_route import FindRoute, Route
     from vdoor.outputs import Outputs
 
-    exports = [PathExport.parse(text) for text in export or ()]
     outputs = Outputs(save=save, mcap=mcap)
-    refuse_existing([*outputs.files, *(item.path for item in exports)], force=force, reads=[source])
+    exports = path_exports(export or (), outputs, source, force=force)
     find = FindRoute(
         start=start,
         goal=goal,
@@ -141,14 +132,15 @@ def route(
         item.write(_driven(found))
 
 
-@contextmanager
-def naming(path: Path) -> Iterator[None]:
-    """Append the path to errors of settings, such as a room that the map does not have."""
-    try:
-        yield
-    except SettingError as error:
-        text = str(error)
-        raise SettingError(text if text.endswith(str(path)) else f"{text}: {path}") from error
+def path_exports(texts: Sequence[str], outputs: Outputs, source: Path, *, force: bool) -> list[PathExport]:
+    """The files of a path that are asked for; `VdoorError` if one of them, or a recording, cannot be written."""
+    from vdoor.export.paths import PathExport
+    from vdoor.files import refuse_existing
+
+    exports = [PathExport.parse(text) for text in texts]
+    refuse_existing([*outputs.files, *(item.path for item in exports)], force=force, reads=[source])
+    outputs.refuse_suffixes()
+    return exports
 
 
 def done_on(source: Path, name: str, task: Task, running: Running, outputs: Outputs) -> tuple[Record, TopologicalMap]:
@@ -158,7 +150,7 @@ def done_on(source: Path, name: str, task: Task, running: Running, outputs: Outp
     """
     from vdoor.results.known_map import is_result
 
-    with naming(source):
+    with naming(source, SettingError):
         if is_result(source):
             return _on_result(source, name, task, outputs)
         return _on_map(source, name, task, running, outputs)
@@ -203,7 +195,7 @@ def _write(sinks: Sequence[Sink], step: int, record: Record) -> None:
 
 def _on_map(path: Path, name: str, task: Task, running: Running, outputs: Outputs) -> tuple[Record, TopologicalMap]:
     """On a map that is run first."""
-    from vdoor.api import run_prepared
+    from vdoor.api import run_info, run_prepared
     from vdoor.emit import Recorder
     from vdoor.history import RunRecords
     from vdoor.outputs import opened
@@ -211,7 +203,8 @@ def _on_map(path: Path, name: str, task: Task, running: Running, outputs: Output
     grid = running.grid(path)
     pipeline = dataclasses.replace(running.pipeline(grid), **{name: task})  # type: ignore[arg-type]  # a task by name
     seen = RunRecords()
-    with opened(outputs, running.info(grid, pipeline)) as files:
+    info = run_info(grid, running.preset, pipeline, running.seed)
+    with opened(outputs, info) as files:
         topology = run_prepared(grid, pipeline, seed=running.seed, emit=Recorder([*files.sinks, seen]))
     return seen.get(task.record), topology
 
@@ -272,7 +265,7 @@ def order(
         raise SettingError("--return: wanted a --start to return to and no --end, found others")
     known = KnownMap.read(result)
     topology = known.topology
-    with naming(result), known.tables() as tables:
+    with naming(result, SettingError), known.tables() as tables:
         asked = FindRoute(avoid=tuple(avoid or ()), closed=tuple(closed or ()))
         blocked = blocked_cells(known.grid, topology, asked.restrictions(topology, known.annotations))
         routes = Routes(Space.of(blocked, known.grid.frame, robot_radius), topology, tables=tables)

@@ -137,12 +137,13 @@ def _whole_names(pipeline: AnyPipeline, assignments: Sequence[str]) -> Sequence[
 
 
 @contextmanager
-def naming(path: Path) -> Iterator[None]:
-    """Append a file's path to errors about its content."""
+def naming(path: Path, kind: type[VdoorError] = VdoorError) -> Iterator[None]:
+    """Append a file's path to errors of a kind about its content, unless they end with it."""
     try:
         yield
-    except VdoorError as error:
-        raise type(error)(f"{error}: {path}") from error
+    except kind as error:
+        text = str(error)
+        raise type(error)(text if text.endswith(str(path)) else f"{text}: {path}") from error
 
 
 def robot_place(grid: OccupancyGrid, text: str | None, *, cells: bool) -> tuple[float, float] | None:

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from vdoor import __version__
 from vdoor.cli.export import RunExports
 from vdoor.cli.options import (
     PIPE,
@@ -36,9 +35,7 @@ from vdoor.config import DEFAULT_PRESET
 from vdoor.errors import SettingError, say
 
 if TYPE_CHECKING:
-    from vdoor.emit import RunInfo
     from vdoor.grid import OccupancyGrid
-    from vdoor.pipeline import AnyPipeline
     from vdoor.topology import TopologicalMap
 
 MOST_LEFT_OUT = 0.02
@@ -88,7 +85,7 @@ def run(
     verbose: Annotated[bool, typer.Option("--verbose", "-v", help="Print each stage and its time on stderr.")] = False,
 ) -> None:
     """Find the rooms and doors of a map."""
-    from vdoor.api import run_prepared
+    from vdoor.api import run_info, run_prepared
     from vdoor.emit import Recorder, Stopwatch
     from vdoor.formats import read_annotations
     from vdoor.outputs import Outputs, Progress, opened
@@ -119,7 +116,7 @@ def run(
     found = None
     if match is not None:
         pipeline, found = matched(match, grid, pipeline, seed=seed, edits_too=edits is None, quiet=quiet)
-    info = _info(grid, preset, pipeline, seed)
+    info = run_info(grid, preset, pipeline, seed)
     with opened(outputs, info) as recording:
         notes = [*([] if quiet else [Progress(verbose=verbose)]), *EditNotes.sinks(pipeline, quiet=quiet)]
         watch = Stopwatch(Recorder([*recording.sinks, *exports.sinks(info), *notes]))
@@ -170,21 +167,15 @@ def _refuse_sources(written: Sequence[Path], map_file: Path, grid: OccupancyGrid
             refuse_input(map_file.parent / name, written)
 
 
-def _info(grid: OccupancyGrid, preset: str, pipeline: AnyPipeline, seed: int) -> RunInfo:
-    from vdoor.config import settings_of
-    from vdoor.emit import RunInfo
-    from vdoor.pipeline import METHODS
-
-    settings = settings_of(pipeline, METHODS)
-    return RunInfo(version=__version__, preset=preset, seed=seed, settings=settings, source=grid.source)
-
-
 def _note_left_out(grid: OccupancyGrid, topology: TopologicalMap) -> None:
     """Say how much of the free space indoors has no room, if it is more than `MOST_LEFT_OUT`."""
+    from scipy import ndimage
+
     from vdoor.method.parts import walled
 
     free = grid.free
-    left_out = walled(free & (topology.labels == 0), grid.occupied)
+    labels, count = ndimage.label(free & (topology.labels == 0))
+    left_out = walled(labels, count, grid.occupied)[labels]
     share = left_out.sum() / max(int(free.sum()), 1)
     if share > MOST_LEFT_OUT:
         area_m2 = left_out.sum() * grid.frame.resolution_m**2

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from vdoor.cli.options import Force, Json, Preset, Resolution, Seed, Set, chosen_pipeline, read_grid
 from vdoor.config import DEFAULT_PRESET
 from vdoor.errors import SettingError, say
+from vdoor.navigate import ROBOT_RADIUS_M, TOOL_M
+
+if TYPE_CHECKING:
+    from vdoor.grid import OccupancyGrid
 
 MAP_SUFFIXES = (".yaml", ".pgm", ".png", ".json")
 
@@ -73,7 +77,7 @@ def route_bench(
     *,
     tile: Annotated[int, typer.Option(min=1, max=64, metavar="N", help="Tile each map N x N.")] = 1,
     starts: Annotated[int, typer.Option(min=1, metavar="N", help="Starts on each map, with five goals each.")] = 20,
-    robot_radius: Annotated[float, typer.Option(min=0.001, max=10, metavar="M", help="Clearance.")] = 0.17,
+    robot_radius: Annotated[float, typer.Option(min=0.001, max=10, metavar="M", help="Clearance.")] = ROBOT_RADIUS_M,
     preset: Preset = DEFAULT_PRESET,
     set_: Set = None,
     resolution: Resolution = None,
@@ -85,8 +89,7 @@ def route_bench(
 
     from vdoor.experiments import route_benchmark
 
-    files = [file for path in maps for file in (_maps_in(path) if path.is_dir() else [path])]
-    grids = {path.name: read_grid(path, quiet=True, resolution_m=resolution) for path in files}
+    grids = _grids(maps, resolution)
     pipeline = chosen_pipeline(preset, None, set_)
     if not as_json:
         print(route_benchmark.HEADING)
@@ -97,8 +100,8 @@ def route_bench(
 def cover_bench(
     maps: Annotated[list[Path], typer.Argument(metavar="MAP...", help="Maps, or folders of them.")],
     *,
-    robot_radius: Annotated[float, typer.Option(min=0.001, max=10, metavar="M", help="Clearance.")] = 0.17,
-    tool_width: Annotated[float, typer.Option(min=0.01, max=10, metavar="M", help="Width that is swept.")] = 0.30,
+    robot_radius: Annotated[float, typer.Option(min=0.001, max=10, metavar="M", help="Clearance.")] = ROBOT_RADIUS_M,
+    tool_width: Annotated[float, typer.Option(min=0.01, max=10, metavar="M", help="Width that is swept.")] = TOOL_M,
     preset: Preset = DEFAULT_PRESET,
     set_: Set = None,
     resolution: Resolution = None,
@@ -113,8 +116,7 @@ def cover_bench(
 
     from vdoor.experiments import cover_benchmark
 
-    files = [file for path in maps for file in (_maps_in(path) if path.is_dir() else [path])]
-    grids = {path.name: read_grid(path, quiet=True, resolution_m=resolution) for path in files}
+    grids = _grids(maps, resolution)
     pipeline = chosen_pipeline(preset, None, set_)
     cover = dataclasses.replace(pipeline.cover, radius_m=robot_radius, tool_m=tool_width)
     if not as_json:
@@ -125,6 +127,12 @@ def cover_bench(
         found.append(report)
     for mean in cover_benchmark.means(found) if not as_json else ():
         print(mean.to_text())
+
+
+def _grids(maps: list[Path], resolution_m: float | None) -> dict[str, OccupancyGrid]:
+    """The grids of maps and of those in folders, by file name."""
+    files = [file for path in maps for file in (_maps_in(path) if path.is_dir() else [path])]
+    return {path.name: read_grid(path, quiet=True, resolution_m=resolution_m) for path in files}
 
 
 def _maps_in(folder: Path) -> list[Path]:

@@ -40,7 +40,7 @@ def large_parts(free: Mask, wall: Mask, least: float, cell_m: float) -> Ints:
     for number in np.flatnonzero(unsure).tolist():
         near = grown(boxes[number - 1], int(WALL_M / cell_m) + 2, free.shape)
         hollow = shared_side(labels[near], number, WALL_M / cell_m) >= HOLLOW_SHARE
-        kept[number] = not hollow and walled_share(labels[near] == number, wall[near]) >= WALLED_SHARE
+        kept[number] = not hollow and walled((labels[near] == number).astype(np.int32), 1, wall[near])[1]
     return np.where(kept[labels], labels, 0).astype(np.int32)
 
 
@@ -76,21 +76,14 @@ def shared_side(labels: Ints, number: int, thick: float) -> float:
     return float((away[edge] <= thick + 1).mean())
 
 
-def walled(free: Mask, wall: Mask) -> Mask:
-    """The 4-connected parts (h, w) of `free` that have walls along enough of their boundary to be indoors."""
-    labels, count = label_cells(free, connectivity=1, return_num=True)
-    edge = free & ~ndimage.binary_erosion(free)
-    beside = ndimage.binary_dilation(wall)
-    cells, walls = (np.bincount(labels[where], minlength=count + 1) for where in (edge, edge & beside))
-    indoors = walls >= WALLED_SHARE * cells
-    indoors[0] = False
-    return np.asarray(indoors[labels])
-
-
-def walled_share(part: Mask, wall: Mask) -> float:
-    """The share of a part's boundary cells (h, w) that have a wall cell beside them."""
-    edge = part & ~ndimage.binary_erosion(part)
-    return float(ndimage.binary_dilation(wall)[edge].mean())
+def walled(labels: NDArray[np.integer], count: int, wall: Mask) -> Mask:
+    """Which of the 4-connected parts (count + 1,) have walls along enough of their boundary to be indoors."""
+    edge = (labels > 0) & ~ndimage.binary_erosion(labels > 0)
+    beside = edge & ndimage.binary_dilation(wall)
+    cells, walls = (np.bincount(labels[where], minlength=count + 1) for where in (edge, beside))
+    found = walls >= WALLED_SHARE * cells
+    found[0] = False
+    return np.asarray(found)
 
 
 def wide_enough(labels: NDArray[np.int32], chosen: Mask, width: float) -> Mask:
