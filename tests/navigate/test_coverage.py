@@ -116,6 +116,18 @@ def test_nothing_is_nearer_than_the_radius_along_any_path(seed: int, unit: str) 
     assert found.clear_m == pytest.approx(least_m, abs=2e-4)
 
 
+def test_the_clearance_holds_where_cell_centres_are_exactly_as_far_from_walls_as_the_radius() -> None:
+    """At 2 cm a radius of 0.17 m is 8.5 cells, which leaves no room for rounding."""
+    cells = walled(70, 90)
+    row, col = np.indices(cells.shape)
+    cells[np.hypot(row - 40, col - 50) < 9] = 100
+    cells[2 * row + 5 * col < 150] = 100
+    grid = OccupancyGrid.from_array(cells, 0.02)
+    found = covered((grid, vdoor.run(grid)))
+    assert least_clearance_m(found, ~grid.free) >= RADIUS_M - 1e-6
+    assert found.covered >= 0.97
+
+
 @pytest.mark.parametrize("seed", [0, 3])
 def test_homes_are_covered_and_a_count_with_smaller_cells_agrees(seed: int) -> None:
     grid, topology = home(seed)

@@ -48,9 +48,9 @@ def floor_of(space: Space, centres: Mask) -> shapely.MultiPolygon:
     """
     radius = space.radius_m / space.frame.resolution_m
     slack = _slack(radius)
-    bulge = (radius + slack) * (1 - math.cos(math.pi / (4 * ARC)))  # of an arc beyond its chords
+    within = math.cos(math.pi / (4 * ARC))  # how near the chords of an arc come to its centre
     free = shapely.union_all(outlines(_around(space, centres, radius)))
-    inside = free.buffer(-(radius + bulge + slack / 2), quad_segs=ARC).simplify(slack / 2)
+    inside = free.buffer(-(radius + slack / 2) / within, quad_segs=ARC).simplify(slack / 2)
     kept = [part for part in parts_of(inside) if _holds_any(part, centres)]
     return shapely.MultiPolygon(kept)
 
