@@ -7,11 +7,11 @@ import os
 from collections import Counter
 from pathlib import Path
 
-import clusters
 import plain_work
 import pytest
 
 from vdoor.engines import Ended, Limits, OutOfMemoryError, WorkerDiedError, dask, in_order, over, processes
+from vdoor.engines.loopback import loopback_cluster
 from vdoor.errors import MapError, SettingError, VdoorError
 
 TWO = Limits(workers=2)
@@ -23,9 +23,9 @@ def test_results_come_in_order_whatever_the_order_of_their_ends() -> None:
 
 
 def test_processes_are_a_map_whose_errors_and_warnings_arrive() -> None:
-    with over(2) as each, pytest.warns(UserWarning, match="number 3"):
+    with over(2) as each, pytest.warns(UserWarning, match="number [123]"):
         assert list(each(plain_work.reciprocal, [1, 2, 3])) == [1, 1 / 2, 1 / 3]
-    with over(2) as each, pytest.raises(MapError, match="^zero: wanted another number, found 0$"):
+    with over(2) as each, pytest.raises(MapError, match=r"^zero: wanted another number, found 0$"):
         list(each(plain_work.reciprocal, [0]))
 
 
@@ -53,8 +53,11 @@ def test_an_item_that_eats_memory_fails_alone() -> None:
     assert str(found[1].error) == "memory: wanted no more than 1500 MB, found work that needs more"
 
 
-def test_a_cluster_does_the_same_and_its_loss_is_one_clear_error(tmp_path: Path) -> None:
-    with clusters.cluster(tmp_path) as there:
+def test_a_cluster_does_the_same_and_its_loss_is_one_clear_error(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("PYTHONPATH", str(Path(plain_work.__file__).parent))
+    with loopback_cluster(tmp_path) as there:
         limits = Limits(scheduler=there.address)
         work = functools.partial(plain_work.die_of, poison=2, log=tmp_path / "log")
         found = sorted(dask(work, range(5), limits), key=lambda one: one.number)

@@ -18,6 +18,7 @@ GROUPS = {
         "robust",
         "sweep",
         "bench",
+        "fleet-bench",
         "cover-bench",
         "route-bench",
         "search-study",
