@@ -2,6 +2,12 @@
 
 from __future__ import annotations
 
+import socket
+import subprocess
+import sys
+import time
+import urllib.error
+import urllib.request
 from pathlib import Path
 
 import finished_maps
@@ -9,6 +15,7 @@ import fsspec
 import numpy as np
 import pyarrow as pa
 import pytest
+from commands import process
 from pyarrow import csv, parquet
 
 from vdoor.batch.job import Recipe, done
@@ -108,3 +115,42 @@ def test_a_map_at_a_url_is_the_map_here(scheme: str, folder: Path, tmp_path: Pat
     assert rows[0]["key"] == rows[1]["key"]
     assert rows[0]["rooms"] == 1
     assert done(Item(f"{root}/none.npy"), Recipe(batch=tmp_path / "out"))["error"].endswith(f"{root}/none.npy")
+
+
+def test_maps_on_a_server_that_speaks_s3(folder: Path, tmp_path: Path) -> None:
+    pytest.importorskip("moto", reason="no server that speaks S3: the package moto is missing")
+    pytest.importorskip("s3fs")
+    with socket.create_server(("127.0.0.1", 0)) as free:
+        address = f"http://127.0.0.1:{free.getsockname()[1]}"
+    host, port = address.removeprefix("http://").split(":")
+    words = [sys.executable, "-m", "moto.server", "-H", host, "-p", port]
+    with subprocess.Popen(words, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as server:
+        try:
+            put(f"{address}/maps", b"")
+            for path in folder.glob("map.*"):
+                put(f"{address}/maps/site/{path.name}", path.read_bytes())
+            keys = {"AWS_ENDPOINT_URL": address, "AWS_ACCESS_KEY_ID": "any", "AWS_SECRET_ACCESS_KEY": "any"}
+            asked = ("batch", "s3://maps/site", "--out", tmp_path / "out", "-j", "1", "--preset", "paper")
+            told = process(*asked, env=keys | {"AWS_DEFAULT_REGION": "us-east-1"})
+        finally:
+            server.kill()
+    assert told.stdout.split()[:2] == ["1", "rooms"]
+    (row,) = parquet.read_table(tmp_path / "out" / "table.parquet").to_pylist()
+    assert row["map"] == "s3://maps/site/map.yaml"
+    assert row["key"] == done(Item(str(folder / "map.yaml")), Recipe(batch=tmp_path / "here", preset="paper"))["key"]
+
+
+def put(url: str, data: bytes) -> None:
+    """Give a server a bucket or an object; wait for it to start."""
+    request = urllib.request.Request(url, data=data, method="PUT")  # noqa: S310  # on loopback
+    for _ in range(100):
+        try:
+            urllib.request.urlopen(request).close()  # noqa: S310
+        except ConnectionError:
+            time.sleep(0.1)
+        except urllib.error.URLError as error:
+            assert isinstance(error.reason, ConnectionError), error
+            time.sleep(0.1)
+        else:
+            return
+    raise AssertionError(f"no server: {url}")

@@ -17,6 +17,8 @@ import warnings
 from multiprocessing.connection import Connection
 from typing import Any, NamedTuple
 
+from vdoor.errors import VdoorError
+
 BYTES_PER_MB = 1024 * 1024
 
 
@@ -57,7 +59,8 @@ def replied(work: bytes, item: bytes) -> Reply:
             warnings.simplefilter("always")
             result = unpacked(work)(pickle.loads(item))  # noqa: S301  # as above
     except Exception as error:  # noqa: BLE001  # whatever goes wrong with one item, the others go on
-        error.add_note(traceback.format_exc())
+        if not isinstance(error, VdoorError):
+            error.add_note(traceback.format_exc())
         return Reply(error=error)
     return Reply(result, notes=tuple(note.message for note in notes if isinstance(note.message, Warning)))
 

@@ -49,8 +49,9 @@ class Rate:
     def to_text(self, alone: Rate) -> str:
         """One line, with the rate as a multiple of another run's."""
         over = self.all_cpu_s / self.method_cpu_s - 1
+        times = self.maps_per_s / alone.maps_per_s
         return (
-            f"{self.name:24s} {self.maps:5d} maps  {self.maps_per_s:7.2f} maps/s  {self.maps_per_s / alone.maps_per_s:5.2f} x"
+            f"{self.name:24s} {self.maps:5d} maps  {self.maps_per_s:7.2f} maps/s  {times:5.2f} x"
             f"  method {self.method_cpu_s * 1000:6.1f} ms CPU a map, all {self.all_cpu_s * 1000:6.1f} ms: {over:+.1%}"
         )
 
@@ -73,7 +74,7 @@ def rates(items: Sequence[Item], folder: Path) -> Iterator[Rate]:
 
 def _rate(name: str, items: Sequence[Item], out: Path, engine: Engine, limits: Limits) -> Rate:
     """One run; CPU is that of this process and of all below it, less what the same costs for no map at all."""
-    nothing = [Item(str(out / f"none{number}.npy")) for number in range(WORKERS)]
+    nothing = [Item(str(out / f"none{number}.npy")) for number in range(8 * WORKERS)]
     start = _cpu_s()
     list(rows_of(nothing, Recipe(batch=out), engine, limits))
     start_cpu_s = (_cpu_s() - start) if engine is processes else 0.0  # a cluster's workers stay as they are
@@ -95,7 +96,7 @@ def _cpu_s() -> float:
     ended = resource.getrusage(resource.RUSAGE_CHILDREN)
     living = [process.cpu_times() for process in _below()]
     of_living = sum(times.user + times.system + times.children_user + times.children_system for times in living)
-    return time.process_time() + ended.ru_utime + ended.ru_stime + of_living
+    return float(time.process_time() + ended.ru_utime + ended.ru_stime + of_living)
 
 
 def _below() -> list[Any]:
