@@ -43,6 +43,9 @@ class Cost(Protocol):
     def terms(self, totals: Totals) -> tuple[Term, ...]:
         """The terms whose sum is the cost of one choice."""
 
+    def value(self, totals: Totals) -> float:
+        """The cost of one choice."""
+
     def __call__(self, totals: Totals, sqrt: Callable[[Any], Any]) -> Costs:
         """The cost and the terms of eq. 7, from sums over rooms and doors, of one choice or arrays of them."""
 
@@ -88,6 +91,10 @@ class MapCost:
             Term("AreaSD", self.area_weight_per_m2, found.area_sd_m2, "m2"),
             Term("DegSD", self.tilt_weight_per_deg, found.tilt_sd_deg, "deg"),
         )
+
+    def value(self, totals: Totals) -> float:
+        """The cost of one choice by eq. 7."""
+        return float(self(totals, sqrt=math.sqrt).cost)
 
     def __call__(self, totals: Totals, sqrt: Callable[[Any], Any]) -> Costs:
         """The cost by eq. 7, and its three terms."""
@@ -162,16 +169,21 @@ class DoorEnergy:
             Term("further doors", -self.further_bias, int(totals.separating - totals.pairs)),
         )
 
+    def value(self, totals: Totals) -> float:
+        """The energy of one choice."""
+        return float(self._energy(totals))
+
     def __call__(self, totals: Totals, sqrt: Callable[[Any], Any]) -> Costs:
         """The energy, and the terms of eq. 7 for comparison, from sums over rooms and doors."""
-        terms = MapCost(room_m2=self.room_m2)(totals, sqrt)
-        energy = (
+        return MapCost(room_m2=self.room_m2)(totals, sqrt)._replace(cost=self._energy(totals))
+
+    def _energy(self, totals: Totals) -> Number:
+        return (
             self.lack_weight * totals.lacking_m2 / max(self.room_m2, EPSILON)
             + self.clash_weight * totals.conflicts
             - (totals.log_odds + self.bias * totals.separating)
             - self.further_bias * (totals.separating - totals.pairs)
         )
-        return terms._replace(cost=energy)
 
 
 class Totals(NamedTuple):
