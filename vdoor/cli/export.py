@@ -37,7 +37,9 @@ def export(
     ] = None,
     robot_radius: Annotated[
         float | None,
-        typer.Option("--robot-radius", min=0.001, max=10, metavar="M", help="What nav2-route keeps to walls.  [default: 0.22]"),
+        typer.Option(
+            "--robot-radius", min=0.001, max=10, metavar="M", help="What nav2-route keeps to walls.  [default: 0.22]"
+        ),
     ] = None,
     force: Force = False,
 ) -> None:

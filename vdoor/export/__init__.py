@@ -66,7 +66,7 @@ WRITERS = (
     Writer("json", to_json),
     Writer("geojson", to_geojson),
     Writer("labels", to_labels, image=True),
-    Writer("keepout", to_keepout, takes=("rooms",), image=True, needs_rooms=True),
+    Writer("keepout", to_keepout, takes=("rooms", "annotations"), image=True, needs_rooms=True),
     Writer("virtual-walls", to_virtual_walls, takes=("rooms", "annotations")),
     Writer("rmf", to_rmf),
     Writer("svg", to_svg),
@@ -134,7 +134,11 @@ class Export:
     def content(self, finished: Finished) -> str | Raster:
         """Text or image; `VdoorError` if the map cannot be written in this format."""
         rooms = tuple(_room_id(finished.topology, room) for room in self.rooms)
-        choices: dict[str, object] = {"rooms": rooms, "provenance": finished.provenance, "annotations": finished.annotations}
+        choices: dict[str, object] = {
+            "rooms": rooms,
+            "provenance": finished.provenance,
+            "annotations": finished.annotations,
+        }
         choices |= {} if self.radius_m is None else {"radius_m": self.radius_m}
         taken = {name: value for name, value in choices.items() if name in self.writer.takes}
         return self.writer.write(finished.topology, **taken)

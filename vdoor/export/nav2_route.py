@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Mapping
+from collections.abc import Container, Mapping
 from typing import Any
 
 import numpy as np
@@ -25,9 +25,11 @@ FULL_SPEED = 100.0
 def to_nav2_route(
     topology: TopologicalMap,
     annotations: Annotations | None = None,
+    *,
     radius_m: float = ROBOT_RADIUS_M,
     speed_percent: Mapping[int, float] | None = None,
     door_service: str = "",
+    open_rooms: Container[int] = (),
 ) -> str:
     """GeoJSON for the route server; virtual walls and no-go areas of the map's file are kept clear of.
 
@@ -35,12 +37,15 @@ def to_nav2_route(
     metadata of a node says its `class`, and its `room` or `door`; that of an edge says its room, its clearance, and its
     class, for the server's SemanticScorer: `room`, `door` or, where a robot of that radius does not fit, `narrow`.
     `speed_percent` limits the speed in some rooms, for AdjustSpeedLimit. At each door TriggerEvent calls the service
-    `door_service`, in which `{door}` stands for the door's id; no service is called if it is empty.
+    `door_service`, in which `{door}` stands for the door's id; no service is called if it is empty. Only `open_rooms`
+    have edges, if some are named.
 
     Raises `VdoorError` for a door whose rooms do not touch, and if there is no edge, since the server refuses that.
     """
     refuse_not_finite(topology)
     graph = roadmap_of(topology, annotations, clearance_m=radius_m)
+    if open_rooms:
+        graph.edges = [edge for edge in graph.edges if edge.room in open_rooms]
     if not graph.edges:
         raise VdoorError(f"route graph: wanted two places for a robot of radius {radius_m:g} m, found one")
     ids = _ids(topology, graph)
