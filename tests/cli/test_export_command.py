@@ -74,17 +74,20 @@ def test_text_is_printed_without_a_file(runs: Path, tmp_path: Path) -> None:
     assert call("export", runs / "flat", "--to", "nav2-route").stdout == out.read_text()
 
 
-def test_map_without_doors_has_no_route_graph_but_all_the_rest(
-    command: Command, runs: Path, tmp_path: Path, refused: Refused
-) -> None:
+def test_robot_that_fits_nowhere_has_no_route_graph(runs: Path, tmp_path: Path, refused: Refused) -> None:
     source = runs / "one room"
-    line = refused(source, "--to", "nav2-route", "-o", tmp_path / "x.geojson")
-    assert "at least one door" in line
+    line = refused(source, "--to", "nav2-route", "--robot-radius", "9", "-o", tmp_path / "x.geojson")
+    assert "two places for a robot of radius 9 m" in line
     assert line.endswith(str(source))
-    for writer in WRITERS[1:]:
+    assert not (tmp_path / "x.geojson").exists()
+    assert "--robot-radius: wanted the format nav2-route" in refused(source, "--to", "svg", "--robot-radius", "1")
+
+
+def test_map_without_doors_has_every_format(command: Command, runs: Path, tmp_path: Path) -> None:
+    source = runs / "one room"
+    for writer in WRITERS:
         rooms = ["--room", "1"] if writer.needs_rooms else []
         assert command("export", source, "--to", writer.name, "-o", tmp_path / f"{writer.name}.png", *rooms).code == 0
-    assert not (tmp_path / "x.geojson").exists()
 
 
 def test_help_lists_every_format() -> None:
