@@ -10,6 +10,7 @@ import rerun as rr
 from numpy.typing import NDArray
 
 from vdoor.record import Record, Spec, specs, tables
+from vdoor.viz.marks.kinds import reduced
 
 LARGEST_SIDE_PX = 16_384
 """Maximum size of a texture; larger rasters are reduced."""
@@ -82,13 +83,6 @@ class Scene:
     def log_text(self, text: str) -> None:
         """Write a line to the text log."""
         self.log("log", rr.TextLog(text))
-
-
-def reduced(raster: NDArray[Any], by: int) -> NDArray[Any]:
-    """Maximum of each block of `by` x `by` cells; blocks at the right and lower edge may be smaller."""
-    rows, cols = (np.arange(0, length, by) for length in raster.shape)
-    by_rows = np.maximum.reduceat(raster, rows, axis=0)
-    return np.asarray(np.maximum.reduceat(by_rows, cols, axis=1))
 
 
 def classes(names: Mapping[int, tuple[str, Sequence[int]]]) -> rr.AnnotationContext:

@@ -1,0 +1,59 @@
+"""A chart, drawn into a box of a sheet."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from vdoor.viz.marks.kinds import Chart
+from vdoor.viz.picture.layout import Box
+from vdoor.viz.picture.sheet import FONT, LINE_PX, POINTS_PER_PX, Entry, Sheet, hex_of, lines_of
+
+LEFT_PX, RIGHT_PX, BOTTOM_PX = 62.0, 12.0, 44.0
+"""Room for the numbers and names of the axes."""
+SPARE = 0.05
+SMALL = 11 * POINTS_PER_PX
+
+
+def draw_chart(sheet: Sheet, box: Box, chart: Chart) -> None:
+    """Draw the legend, the axes, the levels and the curves."""
+    across = box.width - LEFT_PX - RIGHT_PX
+    key = entries(chart)
+    head = lines_of(key, across) * LINE_PX + 4
+    sheet.legend(key, box.left + LEFT_PX, box.top, across)
+    inner = Box(box.left + LEFT_PX, box.top + head, across, max(box.height - head - BOTTOM_PX, 20.0))
+    axes = sheet.axes(inner)
+    for order, curve in enumerate(chart.curves):
+        look = {"marker": "o", "linestyle": "none", "markeredgewidth": 0, "markersize": 3} if curve.dotted else {}
+        axes.plot(curve.x, curve.y, color=hex_of(curve.colour), linewidth=1.2, zorder=3 + order, **look)
+    for height, colour, _ in chart.levels:
+        axes.axhline(height, color=hex_of(colour), linewidth=1.2, linestyle="--", zorder=2.5)
+    axes.set(xlim=ends(chart), ylim=limits(chart))
+    axes.set_xlabel(chart.x_label, fontsize=SMALL, fontfamily=FONT)
+    axes.set_ylabel(chart.y_label, fontsize=SMALL, fontfamily=FONT)
+    axes.tick_params(labelsize=SMALL, labelfontfamily=FONT, width=0.6, length=3)
+    axes.grid(axis="y", color="0.9", linewidth=0.6)
+    axes.set_axisbelow(True)
+    axes.spines[["top", "right"]].set_visible(False)
+
+
+def entries(chart: Chart) -> list[Entry]:
+    """The legend of a chart."""
+    found = [Entry("o" if curve.dotted else "-", curve.colour, curve.meaning, 4.0) for curve in chart.curves]
+    return [*found, *(Entry("-", colour, meaning, 2.0) for _, colour, meaning in chart.levels)]
+
+
+def ends(chart: Chart) -> tuple[float, float]:
+    """From where to where the x axis goes."""
+    numbers = np.concatenate([curve.x[np.isfinite(curve.x)] for curve in chart.curves])
+    first, last = float(numbers.min(initial=np.inf)), float(numbers.max(initial=-np.inf))
+    return (first, last) if first < last else (min(first, 0.0) if len(numbers) else 0.0, max(last, 0.0) + 1.0)
+
+
+def limits(chart: Chart) -> tuple[float, float]:
+    """From where to where the y axis goes: over curves and levels, with a margin where the chart does not say."""
+    numbers = np.concatenate(
+        [*(curve.y[np.isfinite(curve.y)] for curve in chart.curves), [at for at, *_ in chart.levels]]
+    )
+    low, high = (float(numbers.min()), float(numbers.max())) if len(numbers) else (0.0, 1.0)
+    spare = SPARE * (high - low) or 1.0
+    return low - spare if chart.low is None else chart.low, high + spare if chart.high is None else chart.high
