@@ -50,8 +50,7 @@ class StageView:
     tab: str
     """Tab of the viewer that shows the stage."""
     meaning: str = ""
-    """What the tab shows, in a sentence or two for people who have not read the paper; empty if another stage of the tab
-    has it."""
+    """What the tab shows, in words for people who have not read the paper; empty if another stage of the tab has it."""
     element: str = ""
     """What the stepper visits in this stage: samples, virtual doors, generations or doors of the final map."""
     stops: Callable[[History], Numbers] = lambda _: np.zeros(0, np.int64)
@@ -153,7 +152,10 @@ STAGE_VIEWS = (
         title="simplified grid: changed cells and reasons",
         summary=_simplified_summary,
         tab="Simplified",
-        meaning="Left the map as it was read, right the grid on which all further stages work: coloured cells were changed, and the legend says why.",
+        meaning=(
+            "Left the map as it was read, right the grid on which all further stages work: coloured cells were "
+            "changed, and the legend says why."
+        ),
         words={
             "unreachable": "not reachable by the robot and not next to reachable space; set to unknown",
             "jut": "a short bump on a wall; set to free",
@@ -169,7 +171,10 @@ STAGE_VIEWS = (
         title="left-hand path along the boundary",
         summary=_path_summary,
         tab="Path",
-        meaning="The line between floor and walls, walked with the wall on the left. All later stages measure along this line.",
+        meaning=(
+            "The line between floor and walls, walked with the wall on the left. All later stages measure along "
+            "this line."
+        ),
         element="sample",
         stops=lambda run: np.arange(len(run.path.cell)),
     ),
@@ -179,7 +184,10 @@ STAGE_VIEWS = (
         title="curvature along the path",
         summary=_curvature_summary,
         tab="Curvature",
-        meaning="How sharply the wall bends: at each sample of the line, the angle between the way ahead and the way back. It is 180° where the wall is straight; where it is under the threshold, there may be a corner.",
+        meaning=(
+            "How sharply the wall bends: at each sample of the line, the angle between the way ahead and the way "
+            "back. It is 180° where the wall is straight; where it is under the threshold, there may be a corner."
+        ),
         element="sample",
         stops=lambda run: np.arange(len(run.path.cell)),
     ),
@@ -198,7 +206,10 @@ STAGE_VIEWS = (
         title="corners: the sharpest candidates in their neighbourhood",
         summary=lambda run: _convex_summary(run.corners.convex),
         tab="Corners",
-        meaning="Where the wall bends: candidates (small dots), and the corners chosen among them (large dots). Convex corners stick out into the floor, as door jambs do; concave ones are those of a room.",
+        meaning=(
+            "Where the wall bends: candidates (small dots), and the corners chosen among them (large dots). "
+            "Convex corners stick out into the floor, as door jambs do; concave ones are those of a room."
+        ),
         element="sample",
         stops=lambda run: np.sort(run.corners.sample),
     ),
@@ -215,7 +226,10 @@ STAGE_VIEWS = (
         title="narrow places of the skeleton",
         summary=_narrows_summary,
         tab="Narrow places",
-        meaning="Points that are as far from the walls on either side as they can be, and where that is least: a line from wall to wall there is a door (blue), unless it is ruled out (grey).",
+        meaning=(
+            "Points that are as far from the walls on either side as they can be, and where that is least: a line"
+            " from wall to wall there is a door (blue), unless it is ruled out (grey)."
+        ),
     ),
     StageView(
         record=ErodedSpace,
@@ -223,7 +237,10 @@ STAGE_VIEWS = (
         title="cores: eroded free space",
         summary=lambda run: f"{len(run.eroded.kept)} parts, {int(run.eroded.kept.sum())} of them cores of rooms",
         tab="Cores",
-        meaning="The floor that is left when walls are made much thicker: each part that is large enough (coloured) is the core of a room, and grows back until it meets the others.",
+        meaning=(
+            "The floor that is left when walls are made much thicker: each part that is large enough (coloured) "
+            "is the core of a room, and grows back until it meets the others."
+        ),
     ),
     StageView(
         record=GrownRooms,
@@ -238,7 +255,10 @@ STAGE_VIEWS = (
         title="virtual doors, proposed and rejected",
         summary=_doors_summary,
         tab="Doors",
-        meaning="Virtual doors: straight lines over free floor, from a convex corner to another corner or wall, where a door may be. Rejected ones are drawn by reason.",
+        meaning=(
+            "Virtual doors: straight lines over free floor, from a convex corner to another corner or wall, where"
+            " a door may be. Rejected ones are drawn by reason."
+        ),
         element="door",
         stops=lambda run: np.arange(len(run.doors.verdict)),
     ),
@@ -248,7 +268,10 @@ STAGE_VIEWS = (
         title="door scores: evidence for and against each proposed door",
         summary=_scores_summary,
         tab="Scores",
-        meaning="How likely each proposed door is a real one, from doubtful (orange) to sure (green). Thin lines are left out of the search.",
+        meaning=(
+            "How likely each proposed door is a real one, from doubtful (orange) to sure (green). Thin lines are "
+            "left out of the search."
+        ),
         element="door",
         stops=lambda run: run.scores.door,
     ),
@@ -258,7 +281,10 @@ STAGE_VIEWS = (
         title="initial map: regions between the doors",
         summary=_initial_summary,
         tab="Initial map",
-        meaning="All doors that are left cut the floor into regions, each in a colour. The graph joins each region with the doors on its border. The search then decides which doors to keep.",
+        meaning=(
+            "All doors that are left cut the floor into regions, each in a colour. The graph joins each region "
+            "with the doors on its border. The search then decides which doors to keep."
+        ),
         element="door",
         stops=lambda run: np.sort(run.initial.door),
     ),
@@ -268,7 +294,10 @@ STAGE_VIEWS = (
         title="search: which doors to remove",
         summary=_search_summary,
         tab="Search",
-        meaning="Which doors are kept: the search tries many choices, and the cost of the best one falls from generation to generation.",
+        meaning=(
+            "Which doors are kept: the search tries many choices, and the cost of the best one falls from "
+            "generation to generation."
+        ),
         element="generation",
         stops=lambda run: np.arange(len(run.search)),
         needs="search",
@@ -330,8 +359,8 @@ def view_of(record: type[Record]) -> StageView:
 
 OVERVIEW = "Overview"
 OVERVIEW_MEANING = (
-    "The rooms and doors that were found, and two curves on the way there: how sharply the wall bends, along the wall, and "
-    "the cost of the chosen doors while the search went on."
+    "The rooms and doors that were found, and two curves on the way there: how sharply the wall bends, along the wall, "
+    "and the cost of the chosen doors while the search went on."
 )
 
 

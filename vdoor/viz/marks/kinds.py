@@ -19,6 +19,8 @@ Colour = tuple[int, ...]
 """Red, green, blue and, for cells, opacity, each 0 to 255."""
 Places = NDArray[Any]
 """Points (k, 2) as row, col; whole numbers are the centres of cells."""
+Strips = Sequence[Places] | NDArray[Any]
+"""Lines, each (k, 2)."""
 MOST_CODES = 2**16
 
 
@@ -39,9 +41,7 @@ class Mark:
 
 @dataclass(frozen=True, kw_only=True)
 class Cells(Mark):
-    """A raster (h, w) of codes. Codes without a colour are transparent; of cells that share a pixel, the highest code is
-    seen.
-    """
+    """A raster (h, w) of codes; those without a colour are transparent. In one pixel the highest code is seen."""
 
     codes: NDArray[Any]
     colours: Mapping[int, tuple[Colour, str]]
@@ -64,7 +64,7 @@ class Dots(Mark):
 class Lines(Mark):
     """Lines, each through two places or more."""
 
-    strips: Sequence[Places]
+    strips: Strips
     colour: Colour
     wide_px: float = 2.0
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -114,7 +114,7 @@ def rooms(found: TopologicalMap) -> Cells:
     )
 
 
-def _coded(colours: dict[int, tuple[Colour, str]]) -> dict[int, tuple[Colour, str]]:
+def _coded(colours: Mapping[int, tuple[Colour, str]]) -> dict[int, tuple[Colour, str]]:
     """Colours of labels by the codes that `wrapped` makes of them."""
     return {(label - 1) % (MOST_CODES - 1) + 1: colour for label, colour in colours.items()}
 

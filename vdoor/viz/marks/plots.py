@@ -27,7 +27,7 @@ TERMS = {
 def along_m(path: BoundaryPath) -> Floats:
     """How far each sample is along the boundary, contour after contour."""
     before = np.concatenate([[0.0], np.cumsum(path.length_m)[:-1]])
-    return path.arc_m + before[path.contour]
+    return np.asarray(path.arc_m + before[path.contour])
 
 
 def angle_chart(run: RunRecords, limit_deg: float) -> Chart:

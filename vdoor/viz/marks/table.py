@@ -59,7 +59,7 @@ def _plain(record: Record) -> Iterator[Mark]:
     for name, (spec, _) in specs(type(record)).items():
         values = np.asarray(getattr(record, name))
         if spec.kind in RASTERS:
-            place = frame or Frame(*values.shape, resolution_m=1.0)
+            place = frame or Frame(values.shape[0], values.shape[1], resolution_m=1.0)
             codes = wrapped(values.astype(np.int32))
             colours = {int(code): (style.room(int(code)), f"{name} {code}") for code in np.unique(codes) if code}
             yield Cells(name=name, frame=place, codes=codes, colours=colours, opacity=0.8, listed=False)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from vdoor.viz.marks.kinds import Chart
@@ -11,6 +13,7 @@ from vdoor.viz.picture.sheet import FONT, LINE_PX, POINTS_PER_PX, Entry, Sheet, 
 LEFT_PX, RIGHT_PX, BOTTOM_PX = 62.0, 12.0, 44.0
 """Room for the numbers and names of the axes."""
 SPARE = 0.05
+DOTTED = {"marker": "o", "linestyle": "none", "markeredgewidth": 0, "markersize": 3}
 SMALL = 11 * POINTS_PER_PX
 
 
@@ -23,7 +26,9 @@ def draw_chart(sheet: Sheet, box: Box, chart: Chart) -> None:
     inner = Box(box.left + LEFT_PX, box.top + head, across, max(box.height - head - BOTTOM_PX, 20.0))
     axes = sheet.axes(inner)
     for order, curve in enumerate(chart.curves):
-        look = {"marker": "o", "linestyle": "none", "markeredgewidth": 0, "markersize": 3} if curve.dotted else {}
+        look: dict[str, Any] = (
+            {"marker": "o", "linestyle": "none", "markeredgewidth": 0, "markersize": 3} if curve.dotted else {}
+        )
         axes.plot(curve.x, curve.y, color=hex_of(curve.colour), linewidth=1.2, zorder=3 + order, **look)
     for height, colour, _ in chart.levels:
         axes.axhline(height, color=hex_of(colour), linewidth=1.2, linestyle="--", zorder=2.5)
@@ -54,6 +59,8 @@ def limits(chart: Chart) -> tuple[float, float]:
     numbers = np.concatenate(
         [*(curve.y[np.isfinite(curve.y)] for curve in chart.curves), [at for at, *_ in chart.levels]]
     )
+    least, most = (-np.inf if chart.low is None else chart.low), (np.inf if chart.high is None else chart.high)
+    numbers = numbers.clip(least, most)
     low, high = (float(numbers.min()), float(numbers.max())) if len(numbers) else (0.0, 1.0)
     spare = SPARE * (high - low) or 1.0
     return low - spare if chart.low is None else chart.low, high + spare if chart.high is None else chart.high

@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 from matplotlib import style
 
+from vdoor.errors import VdoorError
 from vdoor.history import History
 from vdoor.viz.marks.kinds import Chart
 from vdoor.viz.picture.chart import draw_chart
 from vdoor.viz.picture.layout import LEAST_PICTURE, LEAST_WIDTH, MARGIN, Layout, Wanted, laid_out
 from vdoor.viz.picture.plan import BAR_PX, Window, draw_plan, entries
 from vdoor.viz.picture.sheet import LINE_PX, Sheet, folded, lines_of
-from vdoor.viz.picture.views import Plan, View, views
+from vdoor.viz.picture.views import Plan, View, tabs_in, view_of_tab
 
 TITLE_PX, TEXT_PX = 18.0, 13.0
 SIZE = (1600, 1000)
@@ -28,12 +29,14 @@ class Picture(NamedTuple):
     png: bytes
 
 
-def pictures(run: History, *, tabs: Collection[str] | None = None, size: tuple[int, int] = SIZE) -> Iterator[Picture]:
-    """A picture of each tab, or of some, at most of a width and height in pixels."""
-    window = Window.around(run.input.frame, run.input.cells >= 0)
-    for number, view in enumerate(views(run)):
-        if tabs is None or view.tab in tabs:
-            yield Picture(view.tab, number, picture_of(view, window, size))
+def pictures(run: History, *, tabs: Sequence[str] | None = None, size: tuple[int, int] = SIZE) -> Iterator[Picture]:
+    """A picture of each tab, or of some, at most of a size in pixels; `VdoorError` for a tab that there is not."""
+    known = tabs_in(run)
+    window = Window.around(run.input.frame, run.input.free)
+    for tab in tabs or known:
+        if tab not in known:
+            raise VdoorError(f"pictures: wanted one of the recording's tabs, {', '.join(known)}, found {tab!r}")
+        yield Picture(tab, known.index(tab), picture_of(view_of_tab(run, tab), window, size))
 
 
 def picture_of(view: View, window: Window, size: tuple[int, int] = SIZE) -> bytes:

@@ -12,7 +12,7 @@ from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
 from vdoor.frame import Frame
-from vdoor.viz.marks.kinds import Arrows, Cells, Colour, Dots, Lines, Mark, Places, reduced
+from vdoor.viz.marks.kinds import Arrows, Cells, Dots, Lines, Mark, Places, reduced
 from vdoor.viz.picture.layout import Box, free_places
 from vdoor.viz.picture.sheet import INK, POINTS_PER_PX, Entry, Sheet, hex_of, width_of
 from vdoor.viz.rerun import style
@@ -25,6 +25,17 @@ SPARE = 0.02
 CROWD = 80
 """Marks of more elements than that are drawn smaller."""
 LEAST_CROWDED = 0.5
+ARROW: dict[str, Any] = {
+    "angles": "xy",
+    "scale_units": "xy",
+    "scale": 1,
+    "units": "dots",
+    "headwidth": 6,
+    "headlength": 7,
+    "headaxislength": 6,
+    "minlength": 0,
+}
+"""Arrows as long as their vectors, with heads of a size in pixels."""
 LABEL_PX, NUMBER_PX = 13.0, 11.0
 
 
@@ -38,13 +49,13 @@ class Window(NamedTuple):
     height: float
 
     @classmethod
-    def around(cls, frame: Frame, known: NDArray[np.bool_]) -> Window:
-        """What is known of a raster (h, w), with a margin; all of it if nothing is."""
-        rows, cols = (np.flatnonzero(known.any(axis=axis)) for axis in (1, 0))
+    def around(cls, frame: Frame, seen: NDArray[np.bool_]) -> Window:
+        """Some cells (h, w) of a raster, with a margin; all of it if there are none."""
+        rows, cols = (np.flatnonzero(seen.any(axis=axis)) for axis in (1, 0))
         if not len(rows):
             rows, cols = np.array([0, frame.height - 1]), np.array([0, frame.width - 1])
         (top, bottom), (left, right) = ((int(own[0]), int(own[-1]) + 1) for own in (rows, cols))
-        spare = SPARE * max(bottom - top, right - left) + 1
+        spare = SPARE * max(bottom - top, right - left) + 2
         cells = (left - spare, top - spare, right - left + 2 * spare, bottom - top + 2 * spare)
         return cls(frame, *(cell * frame.resolution_m for cell in cells))
 
@@ -95,13 +106,19 @@ def _draw(axes: Axes, window: Window, mark: Mark, px_per_m: float, zorder: float
         start, end = (window.points(cell, mark.frame) for cell in (mark.cell, mark.cell + mark.vector))
         by = end - start
         look: dict[str, Any] = {"angles": "xy", "scale_units": "xy", "scale": 1, "units": "dots", "pivot": "tail"}
-        shape = {"width": mark.wide_px, "headwidth": 6, "headlength": 7, "headaxislength": 6, "minlength": 0}
+        shape: dict[str, Any] = {
+            "width": mark.wide_px,
+            "headwidth": 6,
+            "headlength": 7,
+            "headaxislength": 6,
+            "minlength": 0,
+        }
         axes.quiver(*start.T, *by.T, color=hex_of(mark.colour), zorder=zorder, **look, **shape)
 
 
 def crowded(count: int) -> float:
     """Size of marks as a share of what they have when they are few."""
-    return max((CROWD / max(count, CROWD)) ** 0.5, LEAST_CROWDED)
+    return max(math.sqrt(CROWD / max(count, CROWD)), LEAST_CROWDED)
 
 
 def _joined(mark: Lines, window: Window) -> tuple[Floats, Floats]:
@@ -166,7 +183,7 @@ def _draw_labels(sheet: Sheet, box: Box, window: Window, marks: Sequence[Mark], 
 def _labels(mark: Dots | Lines, window: Window) -> Iterator[tuple[str, float, Floats, float, str]]:
     """Text, size, place, distance from the place, and colour of each label of a mark."""
     if isinstance(mark, Dots):
-        places = window.points(mark.cell, mark.frame) if len(mark.labels) else []
+        places = window.points(mark.cell, mark.frame)[: len(mark.labels)]
         yield from ((text, LABEL_PX, at, mark.wide_px / 2, INK) for text, at in zip(mark.labels, places, strict=True))
     else:
         strips = zip(mark.labels, mark.strips, strict=True) if len(mark.labels) else ()

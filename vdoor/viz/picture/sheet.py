@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import io
 import textwrap
 from collections.abc import Sequence
@@ -22,7 +23,7 @@ DOTS_PER_INCH = 100
 POINTS_PER_PX = 72 / DOTS_PER_INCH
 FONT = "DejaVu Sans"
 """Comes with matplotlib, so pictures do not depend on the fonts of a machine."""
-INK = "#26282e"
+INK, EDGE = "#26282e", "#8a8d94"
 LINE_PX = 19.0
 SIGN_PX, BETWEEN_PX = 26.0, 18.0
 """Width of a legend's sign, and between two of its entries."""
@@ -72,21 +73,21 @@ class Sheet:
             self.write(x + SIGN_PX, y, entry.text, size_px=12)
 
     def _sign(self, entry: Entry, x: float, y: float) -> None:
-        wide_px = entry.wide_px * POINTS_PER_PX
+        wide = entry.wide_px * POINTS_PER_PX
         look: dict[str, Any] = {"color": hex_of(entry.colour), "transform": self.pixels}
-        if entry.sign in "so":
-            size = {"markersize": 12 * POINTS_PER_PX if entry.sign == "s" else max(wide_px, 4)}
-            sign = Line2D([x + 11], [y], linestyle="none", marker=entry.sign, markeredgecolor="#8a8d94", **look, **size)
-            sign.set_markeredgewidth(0.5 if entry.sign == "s" else 0)
-        else:
-            marker = {"marker": ">", "markevery": [1], "markersize": 5} if entry.sign == ">" else {}
-            sign = Line2D([x, x + 20], [y, y], linewidth=max(wide_px, 1.0), **look, **marker)
-        self.figure.add_artist(sign)
+        if entry.sign == "s":
+            look |= {"marker": "s", "markersize": 12 * POINTS_PER_PX, "markeredgecolor": EDGE, "markeredgewidth": 0.5}
+        elif entry.sign == "o":
+            look |= {"marker": "o", "markersize": max(wide, 4), "markeredgewidth": 0}
+        elif entry.sign == ">":
+            look |= {"marker": ">", "markevery": [1], "markersize": 5}
+        xs = [x + 11] if entry.sign in "so" else [x, x + 18]
+        self.figure.add_artist(Line2D(xs, [y] * len(xs), linewidth=max(wide, 1.0), **look))
 
     def png(self) -> bytes:
         """The finished picture, of at most 256 colours."""
-        self.canvas.draw()
-        image = Image.frombuffer("RGBA", (self.width, self.height), bytes(self.canvas.buffer_rgba()))
+        self.canvas.draw()  # type: ignore[no-untyped-call]  # matplotlib types its canvases in part
+        image = Image.frombuffer("RGBA", (self.width, self.height), bytes(self.canvas.buffer_rgba()))  # type: ignore[no-untyped-call]
         buffer = io.BytesIO()
         palette = image.convert("RGB").quantize(256, method=Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE)
         palette.save(buffer, format="png")
@@ -96,10 +97,12 @@ class Sheet:
 _MEASURE = FigureCanvasAgg(Figure(dpi=DOTS_PER_INCH))
 
 
+@functools.cache
 def width_of(text: str, size_px: float, *, bold: bool = False) -> float:
     """How wide a text is in pixels."""
     font = FontProperties(family=FONT, size=size_px * POINTS_PER_PX, weight="bold" if bold else "normal")
-    return float(_MEASURE.get_renderer().get_text_width_height_descent(text, font, ismath=False)[0])
+    renderer = _MEASURE.get_renderer()  # type: ignore[no-untyped-call]
+    return float(renderer.get_text_width_height_descent(text, font, ismath=False)[0])
 
 
 def flowed_entries(entries: Sequence[Entry], across: float) -> list[tuple[int, float]]:

@@ -5,16 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from typing import NamedTuple
 
-from vdoor.baselines import CriticalLines, ErodedSpace, GrownRooms, Skeleton
+from vdoor.baselines import ErodedSpace, GrownRooms
 from vdoor.editing.apply import Edits
 from vdoor.explain.stages import OVERVIEW, sentence_of, tabs_of, view_of
 from vdoor.history import History
-from vdoor.method.boundary import BoundaryPath
-from vdoor.method.corners import Candidates, Corners
+from vdoor.method.corners import Corners
 from vdoor.method.curvature import Curvature
 from vdoor.method.doors import VirtualDoors
-from vdoor.method.initial_map import InitialMap
-from vdoor.method.scoring.score import DoorScores
 from vdoor.method.search.generation import Generation
 from vdoor.navigate.cover_floor import Coverage
 from vdoor.navigate.find_route import Route
@@ -22,7 +19,7 @@ from vdoor.pipeline import RECORDS, Pipeline
 from vdoor.record import Record
 from vdoor.topology import TopologicalMap
 from vdoor.viz.marks import boundary, maps, plots
-from vdoor.viz.marks.kinds import Chart, Mark
+from vdoor.viz.marks.kinds import Cells, Chart, Mark
 from vdoor.viz.marks.table import marks_of
 
 PROPOSED = "proposed"
@@ -43,33 +40,34 @@ class View(NamedTuple):
     panels: list[Plan | Chart]
 
 
-def views(run: History) -> Iterator[View]:
-    """A view of each tab that the recorded stages have something for."""
-    there = [record for record in RECORDS if run.has(record)]
-    for tab in tabs_of(there, run.info.settings):
-        panels = [*(PANELS[tab](run) if tab in PANELS else _plain(run, tab, there))]
-        if panels:
-            yield View(tab, sentence_of(tab), panels)
+def tabs_in(run: History) -> tuple[str, ...]:
+    """The tabs that the recorded stages have something for; the overview only of a whole run."""
+    tabs = tabs_of(_recorded(run), run.info.settings)
+    return tabs if run.has(TopologicalMap) else tabs[1:]
+
+
+def view_of_tab(run: History, tab: str) -> View:
+    """What the picture of a tab shows."""
+    return View(tab, sentence_of(tab), [*(PANELS[tab](run) if tab in PANELS else _plain(run, tab))])
+
+
+def _recorded(run: History) -> list[type[Record]]:
+    return [record for record in RECORDS if run.has(record)]
 
 
 Panels = Iterator[Plan | Chart]
 
 
 def _overview(run: History) -> Panels:
-    if run.has(TopologicalMap):
-        yield from _rooms(run)
-        yield from _angles(run)
-        yield from _cost(run)
+    yield from _rooms(run)
+    yield from _angles(run)
+    yield from _cost(run)
 
 
 def _simplified(run: History) -> Panels:
     yield Plan("As it was read", [*boundary.input_map(run)])
     if "simplified" in run.records:
         yield Plan("Simplified", [*boundary.simplified(run)])
-
-
-def _path(run: History) -> Panels:
-    yield _over_ground(run, "", BoundaryPath)
 
 
 def _curvature(run: History) -> Panels:
@@ -80,10 +78,6 @@ def _curvature(run: History) -> Panels:
 def _angles(run: History) -> Panels:
     if run.has(Curvature) and isinstance(run.method, Pipeline):
         yield plots.angle_chart(run, run.method.candidates.angle_deg)
-
-
-def _corners(run: History) -> Panels:
-    yield _over_ground(run, "", Candidates, Corners)
 
 
 def _doors(run: History) -> Panels:
@@ -118,8 +112,10 @@ def _rooms(run: History) -> Panels:
 
 
 def _over_rooms(run: History, record: type[Record]) -> Plan:
-    quiet = [mark for mark in maps.final_map(run) if mark.name != "links"]
-    return Plan("", [*boundary.input_map(run), *quiet, *marks_of(run, record)])
+    """The marks of a stage over the rooms, its cells below the walls."""
+    below, above = ([mark for mark in marks_of(run, record) if isinstance(mark, Cells) == own] for own in (True, False))
+    rooms, *others = (mark for mark in maps.final_map(run) if mark.name != "links")
+    return Plan("", [*boundary.input_map(run), rooms, *below, *others, *above])
 
 
 def _over_ground(run: History, title: str, *records: type[Record]) -> Plan:
@@ -128,19 +124,15 @@ def _over_ground(run: History, title: str, *records: type[Record]) -> Plan:
     )
 
 
-def _plain(run: History, tab: str, there: list[type[Record]]) -> Panels:
+def _plain(run: History, tab: str) -> Panels:
     """Tabs without a function of their own: the marks of their stages over the working grid."""
-    own = [record for record in there if view_of(record).tab == tab]
-    if "simplified" in run.records:
-        yield _over_ground(run, "", *own)
+    yield _over_ground(run, "", *(record for record in _recorded(run) if view_of(record).tab == tab))
 
 
 PANELS: dict[str, Callable[[History], Panels]] = {
     OVERVIEW: _overview,
     "Simplified": _simplified,
-    "Path": _path,
     "Curvature": _curvature,
-    "Corners": _corners,
     "Doors": _doors,
     "Cores": _cores,
     "Search": _search,

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import rerun.blueprint as rrb
 
 from vdoor.emit import RunInfo
-from vdoor.explain.stages import STAGE_VIEWS, StageView, view_of
+from vdoor.explain.stages import OVERVIEW, StageView, tabs_of, view_of
 from vdoor.pipeline import emitted
-from vdoor.record import Record
 
 DESCRIPTION = """# vdoor: from a map to rooms and doors
 
@@ -32,25 +31,9 @@ Lengths in the views are in cells; hover over an element for its numbers.
 """
 
 WORKING = "map/simplified"
-OVERVIEW = "Overview"
 
 Settings = Mapping[str, Any]
 """Settings of a run, as nested tables."""
-
-
-def tabs_of(records: Iterable[type[Record]], settings: Settings) -> tuple[str, ...]:
-    """Tabs that a run with these records and settings has content for; without settings, with any."""
-    shown = [
-        view for view in map(view_of, in_order(records)) if not (view.needs and settings) or view.needs in settings
-    ]
-    return tuple(dict.fromkeys([OVERVIEW, *(view.tab for view in shown)]))
-
-
-def in_order(records: Iterable[type[Record]]) -> list[type[Record]]:
-    """The records in the order of the rows of `STAGE_VIEWS`; those without a row come last."""
-    given = list(records)
-    own = [view.record for view in STAGE_VIEWS if view.record in given]
-    return [*own, *(record for record in given if record not in own)]
 
 
 def includes(settings: Settings, stage: str) -> bool:
