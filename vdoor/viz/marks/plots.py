@@ -17,6 +17,8 @@ from vdoor.viz.rerun import style
 
 Floats = NDArray[np.float64]
 STRAIGHT_DEG = 180.0
+SPARE = 0.05
+"""Margin of an axis beyond its curves, as a share."""
 TERMS = {
     "small_rooms": ("NumSmallNode: rooms that are too small", style.BEST),
     "area_sd_m2": ("AreaSD: spread of the rooms' areas, m²", style.MEAN),
@@ -83,3 +85,22 @@ def terms_chart(run: RunRecords) -> Chart:
         Curve(name, number, run.search.numbers(name), colour, meaning) for name, (meaning, colour) in TERMS.items()
     ]
     return Chart(name="terms", x_label="generation", y_label="terms of eq. 7", curves=curves, low=0.0)
+
+
+def ends(chart: Chart) -> tuple[float, float]:
+    """From where to where the x axis goes."""
+    numbers = np.concatenate([curve.x[np.isfinite(curve.x)] for curve in chart.curves])
+    first, last = float(numbers.min(initial=np.inf)), float(numbers.max(initial=-np.inf))
+    return (first, last) if first < last else (min(first, 0.0) if len(numbers) else 0.0, max(last, 0.0) + 1.0)
+
+
+def limits(chart: Chart) -> tuple[float, float]:
+    """From where to where the y axis goes: over curves and levels, with a margin where the chart does not say."""
+    numbers = np.concatenate(
+        [*(curve.y[np.isfinite(curve.y)] for curve in chart.curves), [at for at, *_ in chart.levels]]
+    )
+    least, most = (-np.inf if chart.low is None else chart.low), (np.inf if chart.high is None else chart.high)
+    numbers = numbers.clip(least, most)
+    low, high = (float(numbers.min()), float(numbers.max())) if len(numbers) else (0.0, 1.0)
+    spare = SPARE * (high - low) or 1.0
+    return low - spare if chart.low is None else chart.low, high + spare if chart.high is None else chart.high

@@ -4,15 +4,13 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
-
 from vdoor.viz.marks.kinds import Chart
+from vdoor.viz.marks.plots import ends, limits
 from vdoor.viz.picture.layout import Box
 from vdoor.viz.picture.sheet import FONT, LINE_PX, POINTS_PER_PX, Entry, Sheet, hex_of, lines_of
 
 LEFT_PX, RIGHT_PX, BOTTOM_PX = 62.0, 12.0, 44.0
 """Room for the numbers and names of the axes."""
-SPARE = 0.05
 DOTTED = {"marker": "o", "linestyle": "none", "markeredgewidth": 0, "markersize": 3}
 SMALL = 11 * POINTS_PER_PX
 
@@ -45,22 +43,3 @@ def entries(chart: Chart) -> list[Entry]:
     """The legend of a chart."""
     found = [Entry("o" if curve.dotted else "-", curve.colour, curve.meaning, 4.0) for curve in chart.curves]
     return [*found, *(Entry("-", colour, meaning, 2.0) for _, colour, meaning in chart.levels)]
-
-
-def ends(chart: Chart) -> tuple[float, float]:
-    """From where to where the x axis goes."""
-    numbers = np.concatenate([curve.x[np.isfinite(curve.x)] for curve in chart.curves])
-    first, last = float(numbers.min(initial=np.inf)), float(numbers.max(initial=-np.inf))
-    return (first, last) if first < last else (min(first, 0.0) if len(numbers) else 0.0, max(last, 0.0) + 1.0)
-
-
-def limits(chart: Chart) -> tuple[float, float]:
-    """From where to where the y axis goes: over curves and levels, with a margin where the chart does not say."""
-    numbers = np.concatenate(
-        [*(curve.y[np.isfinite(curve.y)] for curve in chart.curves), [at for at, *_ in chart.levels]]
-    )
-    least, most = (-np.inf if chart.low is None else chart.low), (np.inf if chart.high is None else chart.high)
-    numbers = numbers.clip(least, most)
-    low, high = (float(numbers.min()), float(numbers.max())) if len(numbers) else (0.0, 1.0)
-    spare = SPARE * (high - low) or 1.0
-    return low - spare if chart.low is None else chart.low, high + spare if chart.high is None else chart.high
