@@ -154,7 +154,7 @@ STAGE_VIEWS = (
         tab="Simplified",
         meaning=(
             "Left the map as it was read, right the grid on which all further stages work: coloured cells were "
-            "changed, and the legend says why."
+            "changed, each colour for a reason of its own."
         ),
         words={
             "unreachable": "not reachable by the robot and not next to reachable space; set to unknown",

@@ -14,6 +14,8 @@ from vdoor.method.doors import PROPOSED, VERDICTS
 from vdoor.method.scoring.score import JUDGEMENTS, LIKELY
 from vdoor.pipeline import emitted
 from vdoor.viz.marks.kinds import path_name
+from vdoor.viz.rerun.chart import view_of_chart
+from vdoor.viz.rerun.graphs import SIDE
 
 DESCRIPTION = """# vdoor: from a map to rooms and doors
 
@@ -34,6 +36,11 @@ rejected doors, are switched on in the panel at the left.
 """
 
 WORKING = "map/simplified"
+ANGLES = "Angle in degrees by metres along the boundary: candidates blue (convex) and green (concave), threshold red"
+COSTS = "Cost by generation: best green, mean blue, worst grey, proven bound pink"
+TERMS = "Terms of eq. 7 by generation: small rooms green, spread of areas blue, tilt grey"
+MARGIN = 60.0
+"""Around the graph, for the labels at its edge."""
 SENTENCE_SHARE = 11.0
 """Height of a tab's view over that of its sentence."""
 
@@ -132,7 +139,7 @@ def curvature() -> Content:
 def corners() -> Content:
     """Tab with candidates, corners and the table of corners."""
     seen = flat("Candidates small, corners large", WORKING, "map/candidates/**", "map/corners/**")
-    table = rows("tables/corners", "Corners", "sample", "angle_deg", "convex", "cell", timeline="corner")
+    table = rows("tables/corners", "Corners", "sample", "angle_deg", "convex", "cell_row_col", timeline="corner")
     return rrb.Horizontal(seen, table, column_shares=[3, 2])
 
 
@@ -142,7 +149,7 @@ def doors() -> Content:
     seen = flat(
         "Proposed; rejected ones can be switched on", WORKING, "map/corners/convex", "map/doors/**", off=reasons
     )
-    table = rows("tables/doors", "Doors", "verdict", "kind", "width_m", "tilt_deg")
+    table = rows("tables/doors", "Doors", "verdict_in_words", "kind_in_words", "width_m", "tilt_deg")
     return rrb.Horizontal(seen, table, column_shares=[3, 2])
 
 
@@ -151,7 +158,7 @@ def scores() -> Content:
     out = [f"map/scores/{word}" for word in JUDGEMENTS if word != JUDGEMENTS[LIKELY]]
     seen = flat("Doubtful (orange) to sure (green)", WORKING, "map/scores/**", off=out)
     tables = rrb.Tabs(
-        rows("tables/door_scores", "Scores", "door", "log_odds", "judgement", "sure"),
+        rows("tables/door_scores", "Scores", "door", "log_odds", "judgement_in_words", "sure"),
         rows("tables/door_features", "Features"),
         active_tab=0,
     )
@@ -179,14 +186,15 @@ def search(settings: Settings) -> Content:
     """Tab with the kept doors, the cost by generation, and the certificate or the terms of the cost."""
     kept = flat("Kept (red) and removed (grey)", WORKING, "map/search/**")
     scored = includes(settings, "score") or not settings
-    terms = [] if scored else [rrb.Spatial2DView(origin="charts/terms", name="Terms of eq. 7 of the best choice")]
+    terms = [] if scored else [view_of_chart("charts/terms", TERMS)]
     proof = [rrb.TextDocumentView(origin="certificate", name="Certificate")] if includes(settings, "certify") else []
     return rrb.Horizontal(kept, rrb.Vertical(cost(), *terms, *proof), column_shares=[3, 2])
 
 
 def rooms() -> Content:
     """Tab with the final map over the input, and as a graph."""
-    graph = rrb.GraphView(origin="graph/final", name="Graph of rooms, by number")
+    bounds = rrb.VisualBounds2D(x_range=[-MARGIN, SIDE + MARGIN], y_range=[-MARGIN, SIDE + MARGIN])
+    graph = rrb.GraphView(origin="graph/final", name="Graph of rooms, by number", visual_bounds=bounds)
     return rrb.Horizontal(final_map(), graph, column_shares=[2, 1])
 
 
@@ -208,12 +216,12 @@ def final_map() -> rrb.Spatial2DView:
 
 def curve() -> rrb.Spatial2DView:
     """Chart of the angle along the boundary."""
-    return rrb.Spatial2DView(origin="charts/curvature", name="Angle along the boundary")
+    return view_of_chart("charts/curvature", ANGLES)
 
 
 def cost() -> rrb.Spatial2DView:
     """Chart of best, mean and worst cost by generation."""
-    return rrb.Spatial2DView(origin="charts/cost", name="Cost by generation")
+    return view_of_chart("charts/cost", COSTS)
 
 
 def stages() -> rrb.StateTimelineView:

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 
 import numpy as np
 import rerun as rr
+import rerun.blueprint as rrb
 from numpy.typing import NDArray
 
 from vdoor.viz.marks.kinds import Chart, Curve
@@ -17,12 +18,17 @@ from vdoor.viz.rerun.scene import Scene
 WIDTH, HEIGHT = 900.0, 360.0
 """Size of a chart in the units of its view."""
 TICKS = 6
-LEGEND_LINE = 34.0
 Floats = NDArray[np.float64]
 
 
+def view_of_chart(entity: str, name: str) -> rrb.Spatial2DView:
+    """A view of a chart; its name says what the axes and colours are, since text in it would cover other text."""
+    bounds = rrb.VisualBounds2D(x_range=[-70.0, WIDTH + 30.0], y_range=[-30.0, HEIGHT + 60.0])
+    return rrb.Spatial2DView(origin=entity, name=name, visual_bounds=bounds)
+
+
 def draw_chart(scene: Scene, entity: str, chart: Chart) -> None:
-    """Draw axes with numbers, levels, curves and a legend. It is there at all times: a later one takes its place."""
+    """Draw axes with numbers, levels and curves. It is there at all times: a later one takes its place."""
     _draw_axes(scene, entity, chart)
     for height, colour, meaning in chart.levels:
         across = placed(chart, np.array(ends(chart)), np.full(2, height))
@@ -46,11 +52,11 @@ def _curve(chart: Chart, curve: Curve, order: float) -> rr.Points2D | rr.LineStr
         return rr.Points2D(points, colors=curve.colour, radii=-2.5, draw_order=order)
     parts = np.split(points, np.flatnonzero(np.isnan(points).any(axis=1)))
     lines = [part[~np.isnan(part).any(axis=1)] for part in parts]
-    return rr.LineStrips2D([line for line in lines if len(line) > 1], colors=curve.colour, radii=-0.8, draw_order=order)
+    return rr.LineStrips2D([line for line in lines if len(line) > 1], colors=curve.colour, radii=-1.0, draw_order=order)
 
 
 def _draw_axes(scene: Scene, entity: str, chart: Chart) -> None:
-    """Draw lines across at round numbers, the numbers of both axes, their names, and the legend above."""
+    """Draw lines across at round numbers, and the numbers of both axes."""
     (left, right), (low, high) = ends(chart), limits(chart)
     across = np.array([*ticks(low, high)])
     along = np.array([*ticks(left, right)])
@@ -59,22 +65,10 @@ def _draw_axes(scene: Scene, entity: str, chart: Chart) -> None:
     at_y = placed(chart, np.full(len(across), left), across) - [28.0, 0.0]
     at_x = placed(chart, along, np.full(len(along), low)) - [0.0, -14.0]
     texts = [f"{number:g}" for number in [*across.tolist(), *along.tolist()]]
-    names = np.array([[WIDTH / 2, HEIGHT + 44.0]])
-    _write(scene, f"{entity}/axes/numbers", np.concatenate([at_y, at_x, names]), [*texts, chart.x_label])
-    key = [(curve.meaning, curve.colour) for curve in chart.curves]
-    key += [(meaning, colour) for _, colour, meaning in chart.levels]
-    rows = np.arange(len(key))
-    at = np.stack([60.0 + rows % 2 * WIDTH / 2, -24.0 - (rows[::-1] // 2) * LEGEND_LINE], axis=1)
-    _write(scene, f"{entity}/axes/legend", at, [text for text, _ in key], [colour for _, colour in key])
-
-
-def _write(
-    scene: Scene, entity: str, at: Floats, texts: list[str], colours: list[tuple[int, ...]] | None = None
-) -> None:
-    dots = rr.Points2D(
-        at, labels=texts, show_labels=True, colors=colours or style.UNKNOWN, radii=-4.0 if colours else -0.5
+    numbers = rr.Points2D(
+        np.concatenate([at_y, at_x]), labels=texts, show_labels=True, colors=style.UNKNOWN, radii=-0.5
     )
-    scene.keep(entity, dots)
+    scene.keep(f"{entity}/axes/numbers", numbers)
 
 
 def ticks(low: float, high: float) -> Iterator[float]:

@@ -16,6 +16,8 @@ from vdoor.record import COLUMNS, RASTERS, Record, specs
 from vdoor.recording.compare import Difference, places, unequal
 from vdoor.recording.diff import Pair
 from vdoor.viz.rerun import style
+from vdoor.viz.rerun.blueprint import COSTS
+from vdoor.viz.rerun.chart import view_of_chart
 from vdoor.viz.rerun.draw import draw_record
 from vdoor.viz.rerun.scene import Scene, classes, pixels
 from vdoor.viz.rerun.sink import errors_at, new_stream
@@ -124,7 +126,7 @@ def blueprint() -> rrb.Blueprint:
         for name in (EXPECTED, FOUND)
     ]
     results = [_view(f"{name}: rooms", f"{name}/input/map", f"{name}/rooms/**") for name in (EXPECTED, FOUND)]
-    costs = [rrb.Spatial2DView(origin=f"{name}/charts/cost", name=f"{name}: cost") for name in (EXPECTED, FOUND)]
+    costs = [view_of_chart(f"{name}/charts/cost", f"{name}: {COSTS}") for name in (EXPECTED, FOUND)]
     return rrb.Blueprint(
         rrb.Tabs(
             rrb.Horizontal(rrb.Vertical(marked, rooms), texts, column_shares=[2, 1], name=TABS[0]),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import rerun as rr
 
+from vdoor.frame import Frame
 from vdoor.method.scoring.score import DoorScores
 from vdoor.method.search.generation import Generation
 from vdoor.topology import TopologicalMap
@@ -12,6 +13,8 @@ from vdoor.viz.rerun import style
 from vdoor.viz.rerun.chart import draw_chart
 from vdoor.viz.rerun.scene import Scene, pixels
 
+SIDE = 1000.0
+"""Graphs are scaled to a square of that side."""
 COSTS = {"best": style.BEST, "mean": style.MEAN, "worst": style.WORST}
 
 
@@ -41,7 +44,7 @@ def draw_final_graph(scene: Scene, topology: TopologicalMap) -> None:
     joined = [(str(a), str(b)) for a, b in zip(topology.room_a.tolist(), topology.room_b.tolist(), strict=True)]
     nodes = rr.GraphNodes(
         names,
-        positions=pixels(topology.centre) * spread(topology.frame.width),
+        positions=pixels(topology.centre) * spread(topology.frame),
         radii=8.0,
         labels=names,
         colors=[style.room(room) for room in topology.room_ids],
@@ -49,9 +52,9 @@ def draw_final_graph(scene: Scene, topology: TopologicalMap) -> None:
     scene.log("graph/final", nodes, rr.GraphEdges(joined))
 
 
-def spread(width: int) -> float:
-    """Scale that makes a map about a thousand units wide, so that the labels of its graph do not overlap."""
-    return 1000.0 / max(width, 1)
+def spread(frame: Frame) -> float:
+    """Scale that makes a map's longer side `SIDE`, so that the labels of its graph do not overlap."""
+    return SIDE / max(frame.height, frame.width, 1)
 
 
 def room_classes(count: int) -> dict[int, tuple[str, tuple[int, ...]]]:

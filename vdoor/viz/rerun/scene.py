@@ -124,7 +124,7 @@ DECIMALS = 3
 def table(scene: Scene, record: Record, name: str, *, without: Sequence[str] = ()) -> None:
     """Log a table of a record, one row per position on the timeline `corner` or `row`, without some fields.
 
-    Its columns say one thing each in few letters: rows of a viewer are narrow.
+    A viewer makes a column as wide as its name: names of columns with text are long.
     """
     columns: Columns = {}
     for field in (field for field in tables(type(record))[name] if field not in without):
@@ -140,12 +140,15 @@ def table(scene: Scene, record: Record, name: str, *, without: Sequence[str] = (
 def columns_of(field: str, values: NDArray[Any], *, spec: Spec) -> Columns:
     """Columns of one field: words for codes, degrees for angles, vectors as text, numbers rounded."""
     if spec.words:
-        return {field: np.array(spec.words)[values].tolist()}
+        return {f"{field}_in_words": np.array(spec.words)[values].tolist()}
     if spec.unit == "rad":
         return {field.replace("_rad", "_deg"): rounded(np.degrees(values))}
     if values.ndim == 1:
         return {field: rounded(values)}
-    return {field: [", ".join(f"{part:g}" for part in row) for row in np.atleast_2d(rounded(values)).tolist()]}
+    parts = "x_y" if spec.unit == "m" else "row_col"
+    return {
+        f"{field}_{parts}": [", ".join(f"{part:g}" for part in row) for row in np.atleast_2d(rounded(values)).tolist()]
+    }
 
 
 def rounded(values: NDArray[Any]) -> NDArray[Any]:
