@@ -39,7 +39,7 @@ app = typer.Typer(
 
 COMMANDS = (
     ("run", run.run, "vdoor run map.yaml --save out.rrd --mcap out.mcap --out result/"),
-    ("batch", batch.batch, "vdoor batch maps/ more.yaml --out results/ -j 2"),
+    ("batch", batch.batch, "vdoor batch maps/ 'more/*.yaml' --out results/ -j 2; vdoor batch report results/"),
     ("config", run.config, "vdoor config --preset paper > my.toml; vdoor run map.pgm --config my.toml"),
     ("show", terminal.show, "vdoor show out.mcap --stage doors"),
     ("step", terminal.step, "vdoor step out.mcap"),
