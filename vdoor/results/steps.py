@@ -98,7 +98,7 @@ class StepsOnDisk:
         """
         steps = self._read()
         if steps is not None and not steps.written and self._all_known(steps):
-            self._write_files(steps)
+            steps = self._write_files(steps)
         files = {name: self._keep(path.read_bytes() if path.is_file() else None) for name, path in self._files.items()}
         if steps is None:
             steps = Steps((Step(OPENED, files),), 0)

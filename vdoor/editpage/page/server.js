@@ -31,6 +31,7 @@ function complain(sentence, at) {
   const note = group("place-note");
   note.textContent = sentence;
   note.hidden = false;
+  tip.hidden = true;
   const box = (at ? frame : group("tools")).getBoundingClientRect();
   const [x, y] = at ?? [box.left + 12, box.bottom];
   note.style.left = `${Math.max(6, Math.min(x + 12, innerWidth - note.offsetWidth - 6))}px`;

@@ -51,8 +51,8 @@ function drawLayer(layer) {
 
 function drawLayers() {
   data.layers.forEach(drawLayer);
-  const doors = [[data.door_colour, many(data.doors.length, "door")]];
+  const doors = [[data.door_colour, "between two rooms"]];
   addSwitch({ id: "rooms", name: "Rooms", on: true, key: [] }, [group("rooms")]);
   addSwitch({ id: "final-doors", name: "Doors", on: true, key: doors }, [group("doors")]);
-  addSwitch({ id: "names", name: isNamed() ? "Names and areas" : "Numbers and areas", on: true, key: [] }, [group("names")]);
+  addSwitch({ id: "names", name: "Names, numbers and areas", on: true, key: [] }, [group("names")]);
 }
