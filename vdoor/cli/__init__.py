@@ -11,6 +11,7 @@ from vdoor import __version__
 from vdoor.cli import (
     batch,
     cover,
+    edit_page,
     edits,
     evaluate,
     export,
@@ -64,6 +65,7 @@ COMMANDS = (
         "vdoor cover result/ --return --export csv=path.csv; vdoor cover map.yaml --room 3 --save out.rrd",
     ),
     ("order", navigate.order, "vdoor order result/ --start Hall --return"),
+    ("edit", edit_page.edit, "vdoor edit result/"),
     ("rename", edits.rename, "vdoor rename result/ 3 Kitchen"),
     ("split", edits.split, "vdoor split result/ 1.2,3.4 1.2,8.0"),
     ("merge", edits.merge, "vdoor merge result/ 2 5"),
