@@ -25,7 +25,7 @@ def test_results_come_in_order_whatever_the_order_of_their_ends() -> None:
 def test_processes_are_a_map_whose_errors_and_warnings_arrive() -> None:
     with over(2) as each, pytest.warns(UserWarning, match="number 3"):
         assert list(each(plain_work.reciprocal, [1, 2, 3])) == [1, 1 / 2, 1 / 3]
-    with over(2) as each, pytest.raises(MapError, match="^zero: wanted another number, found 0$"):
+    with over(2) as each, pytest.raises(MapError, match=r"^zero: wanted another number, found 0$"):
         list(each(plain_work.reciprocal, [0]))
 
 
