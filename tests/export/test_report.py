@@ -387,6 +387,7 @@ def test_slider_shows_what_each_generation_kept(page: Path, opened: Browser) -> 
     strokes = (
         "[...document.querySelectorAll('#shapes [data-layer=search] .line')].map(line => line.getAttribute('stroke'))"
     )
+    opened.run("document.querySelector('#layers [data-layer=search]').click()")
     removed: set[int] = set()
     for row, flips in enumerate(curve["flips"]):
         removed ^= set(flips)
