@@ -15,6 +15,7 @@ from vdoor.cli import (
     edits,
     evaluate,
     export,
+    nav2,
     navigate,
     paper,
     recordings,
@@ -39,7 +40,7 @@ app = typer.Typer(
 
 COMMANDS = (
     ("run", run.run, "vdoor run map.yaml --save out.rrd --mcap out.mcap --out result/"),
-    ("batch", batch.batch, "vdoor batch maps/ more.yaml --out results/ -j 2"),
+    ("batch", batch.batch, "vdoor batch maps/ 'more/*.yaml' --out results/ -j 2; vdoor batch report results/"),
     ("config", run.config, "vdoor config --preset paper > my.toml; vdoor run map.pgm --config my.toml"),
     ("show", terminal.show, "vdoor show out.mcap --stage doors"),
     ("step", terminal.step, "vdoor step out.mcap"),
@@ -53,6 +54,7 @@ COMMANDS = (
     ("check", recordings.check, "vdoor check out.mcap"),
     ("recover", recordings.recover, "vdoor recover out.mcap.partial -o out.mcap"),
     ("export", export.export, "vdoor export result/ --to nav2-route -o route.geojson"),
+    ("nav2", nav2.nav2, "vdoor nav2 result/ --out nav2/ --slow Kitchen=50"),
     ("valetudo", valetudo.valetudo, "vdoor valetudo result/ --clean Kitchen --clean 3"),
     ("rooms", rooms.rooms, "vdoor rooms result/"),
     ("room-at", rooms.room_at, "vdoor room-at 3.2,-4.1 out.mcap"),

@@ -11,7 +11,7 @@ GROUPS = {
     "debug": ("why", "step", "replay", "diff", "verify", "info", "check", "recover"),
     "drive": ("route", "cover", "order"),
     "edit": ("edit", "rename", "merge", "split", "door"),
-    "export": ("export", "valetudo"),
+    "export": ("export", "nav2", "valetudo"),
     "measure": (
         "evaluate",
         "ablate",

@@ -40,6 +40,7 @@ OccupiedFrom = Annotated[
 ]
 Topic = Annotated[str | None, typer.Option(metavar="NAME", help="Topic of the nav_msgs/OccupancyGrid in a bag.")]
 MaxCells = Annotated[int, typer.Option(metavar="N", help="Refuse maps with more cells.")]
+Jobs = Annotated[int, typer.Option("--jobs", "-j", min=1, metavar="N", help="Maps at work at a time.")]
 Force = Annotated[bool, typer.Option("--force", help="Overwrite existing files.")]
 Json = Annotated[bool, typer.Option("--json", help="Print the result as JSON.")]
 
