@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import dataclasses
 import html
 import io
 import json
@@ -16,6 +17,7 @@ import finished_maps
 import numpy as np
 import pytest
 import small_recording
+from accessibility import serious_findings
 from browser import Browser, browser
 from numpy.typing import NDArray
 from PIL import Image
@@ -23,14 +25,19 @@ from project import HOME, VDOOR
 from shapely import Polygon
 
 import vdoor
+from vdoor.api import prepared, run_info, run_prepared
 from vdoor.emit import RunInfo
 from vdoor.errors import RecordingError, VdoorError
 from vdoor.export import Export, read_finished, to_report
 from vdoor.frame import Frame
-from vdoor.grid import OccupancyGrid, Source
+from vdoor.goldens import drawing
+from vdoor.grid import FREE, OccupancyGrid, Source
 from vdoor.history.provenance import Provenance
 from vdoor.method.search.generation import Generation
 from vdoor.method.simplify import SimplifiedGrid
+from vdoor.navigate.cover_floor import CoverFloor
+from vdoor.navigate.find_route import FindRoute
+from vdoor.pipeline import PRESETS
 from vdoor.record import Record, Spec
 
 HOSTILE = "</script><script>document.title='caught'</script><img src=x onerror=alert(1)>&amp;\u202e'\"`${1}.pgm"
@@ -56,6 +63,14 @@ def small_provenance() -> tuple[Provenance, Any]:
     for step, record in enumerate(records):
         provenance.run.write(step, record)
     return provenance, records[-1]
+
+
+def scored_run() -> tuple[Provenance, Any]:
+    """A run on two rooms that scores its doors."""
+    grid = drawing(small_recording.MAP)()
+    pipeline = prepared(PRESETS["default"], grid).pipeline
+    provenance = Provenance.of(run_info(grid, "default", pipeline, 0))
+    return provenance, run_prepared(grid, pipeline, emit=provenance.run)
 
 
 def rings(path: str) -> list[NDArray[np.float64]]:
@@ -250,6 +265,65 @@ def test_any_setting_can_be_told(value: object, tmp_path: Path) -> None:
     assert "\x1b" not in page
 
 
+def test_doors_tell_their_score_and_their_life() -> None:
+    provenance, topology = scored_run()
+    page = told(to_report(topology, provenance))
+    kept = {door["candidate"] for door in page["doors"]}
+    run = provenance.run
+    assert kept == set(run.initial.door[topology.edge[topology.edge >= 0]].tolist())
+    for door in page["doors"]:
+        score, *reasons = door["why"]
+        row = run.scores.door.tolist().index(door["candidate"])
+        assert score.startswith(f"score {run.scores.log_odds[row]:+.1f}: ")
+        assert [line.partition(":")[0] for line in reasons] == ["for", "against"]
+        life = page["lives"][str(door["candidate"])]
+        assert life[2:3] == ["proposed"]
+        one, other = door["rooms"]
+        assert life[-1] == f"final map: door {door['id']} between rooms {one} and {other}"
+    assert len(page["lives"]) == len(run.doors.verdict)
+    rejected = [shape for layer in page["layers"] if layer["id"] == "rejected" for shape in layer["shapes"]]
+    assert all(page["lives"][str(shape["door"])][-1].startswith("rejected, ") for shape in rejected)
+
+
+def test_what_was_left_out_is_listed_with_the_reason() -> None:
+    grid = finished_maps.grid("slit")
+    cells = grid.cells.copy()
+    cells[-2:] = cells[:2] = FREE  # ground outside, seen over the walls; there is no door to it
+    outside = OccupancyGrid.from_array(cells, grid.frame.resolution_m)
+    for preset, why in (("paper", "the robot cannot get there"), ("default", "and it is too narrow")):
+        provenance = provenance_of("slit")
+        pipeline = prepared(PRESETS[preset], outside).pipeline
+        provenance = Provenance.of(run_info(outside, preset, pipeline, 0))
+        topology = run_prepared(outside, pipeline, emit=provenance.run)
+        page = told(to_report(topology, provenance))
+        assert [place["area_m2"] for place in page["left_out"]] == [2 * cells.shape[1] * grid.frame.resolution_m**2] * 2
+        assert all(why in place["why"] for place in page["left_out"])
+        lost = next(layer for layer in page["layers"] if layer["id"] == "left-out")
+        assert np.array_equal(picture(lost)[:, :, 3] > 0, outside.free & (topology.labels == 0))
+
+
+def driven() -> tuple[Provenance, Any]:
+    """A run with a route and a covering path."""
+    grid = finished_maps.grid("flat")
+    tasks = {"route": FindRoute(start="1", goal="5"), "cover": CoverFloor(unit="room", rooms=("1",))}
+    pipeline = dataclasses.replace(PRESETS["paper"], **tasks)
+    provenance = Provenance.of(run_info(grid, "paper", pipeline, 0))
+    return provenance, run_prepared(grid, pipeline, emit=provenance.run)
+
+
+def test_drives_follow_the_recorded_paths() -> None:
+    provenance, topology = driven()
+    page = told(to_report(topology, provenance))
+    route, coverage = page["drives"]
+    for drive, record in ((route, provenance.run.records["route"]), (coverage, provenance.run.records["coverage"])):
+        apart = np.hypot(*np.diff(drive["points"], axis=0).T) * topology.frame.resolution_m
+        assert np.cumsum(apart) == pytest.approx(record.along_m[1:], abs=0.01)
+    assert (route["unit"], coverage["unit"]) == ("m", "s")
+    assert coverage["at"] == pytest.approx(provenance.run.records["coverage"].at_s, abs=1e-3)
+    assert (coverage["swept"][-1], coverage["rooms"][-1], coverage["tool_m"]) == (1.0, 1, 0.3)
+    assert np.all(np.diff(coverage["swept"]) >= 0)
+
+
 def test_page_names_nothing_outside_itself() -> None:
     provenance, topology = small_provenance()
     page = to_report(topology, provenance)
@@ -405,6 +479,68 @@ def test_everything_to_press_has_a_name(opened: Browser) -> None:
     assert [node for node in pressed if not node["name"]["value"].strip()] == []
     assert {"Show room 1 on the map", "Zoom in"} <= {node["name"]["value"] for node in pressed}
     assert opened.run("document.documentElement.lang") == "en"
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_page_has_no_serious_findings(scheme: str, opened: Browser) -> None:
+    opened.call("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": scheme}])
+    opened.run("document.querySelectorAll('#layers input:not(:checked)').forEach(box => box.click())")
+    paper = opened.run("getComputedStyle(document.body).backgroundColor")
+    assert serious_findings(opened) == []
+    opened.call("Emulation.setEmulatedMedia", features=[])
+    assert (paper == "rgb(255, 255, 255)") == (scheme == "light")
+
+
+def test_paper_has_what_is_seen_and_nothing_to_press(opened: Browser) -> None:
+    shown = "selector => [...document.querySelectorAll(selector)].filter(each => each.checkVisibility()).length"
+    controls, switches = "#zoom button, #layers input, #generation, #life-number", "#layers .layer"
+    assert opened.run(f"({shown})('{controls}')") > 3
+    on = opened.run("document.querySelectorAll('#layers input:checked').length")
+    opened.call("Emulation.setEmulatedMedia", media="print")
+    assert opened.run(f"({shown})('{controls}')") == 0
+    assert opened.run(f"({shown})('{switches}')") == on
+    assert opened.run(f"({shown})('#frame, #room-table')") == 2
+    opened.call("Emulation.setEmulatedMedia", media="")
+
+
+def test_click_on_a_door_tells_its_life(opened: Browser) -> None:
+    opened.run("document.querySelector('#layers [data-layer=rooms]').click()")
+    for door in finished_maps.topology("flat").doors[:2]:
+        opened.click(*opened.place(f"#door-{door.id} .line"))
+        head = opened.run("document.getElementById('life-heading').textContent")
+        assert head.endswith(f", door {door.id} of the map")
+        assert opened.run("document.querySelector('#life-lines li:last-child').textContent").startswith(
+            f"final map: door {door.id} between rooms"
+        )
+    opened.run("[...document.querySelectorAll('#door-table button')].at(-1).click()")
+    last = len(finished_maps.topology("flat").doors)
+    assert opened.run("document.getElementById('life-heading').textContent").endswith(f", door {last} of the map")
+    assert opened.run("document.activeElement.id") == "life-number"
+
+
+def test_slider_drives_along_the_path_and_shows_what_is_swept(window: Browser, tmp_path: Path) -> None:
+    provenance, topology = driven()
+    path = tmp_path / "driven.html"
+    path.write_text(to_report(topology, provenance), "utf-8")
+    window.problems.clear()
+    window.open(path)
+    for layer, unit in (("route", "m"), ("coverage", "s")):
+        slider, where = f"document.getElementById('drive-{layer}')", f"#shapes [data-layer={layer}] .robot"
+        for share in (0.0, 0.5, 1.0):
+            window.run(f"{slider}.value = {share} * {slider}.max; {slider}.dispatchEvent(new Event('input'))")
+            drive = window.run(f"data.drives.find(drive => drive.layer === '{layer}')")
+            x, y = (float(window.run(f"document.querySelector('{where}').getAttribute('c{axis}')")) for axis in "xy")
+            expected = [
+                np.interp(share * drive["at"][-1], drive["at"], column) for column in zip(*drive["points"], strict=True)
+            ]
+            assert (x, y) == pytest.approx(expected, abs=0.01)
+        assert f"{drive['along_m'][-1]:.1f} m" in window.run(f"{slider}.getAttribute('aria-valuetext')")
+        assert unit == drive["unit"]
+    swept = "document.querySelector('#passed-coverage .passed').getTotalLength()"
+    whole = window.run(swept)
+    window.run(f"{slider}.value = 0.25 * {slider}.max; {slider}.dispatchEvent(new Event('input'))")
+    assert window.run(swept) < 0.5 * whole
+    assert not window.problems
 
 
 @pytest.mark.parametrize("width", [360, 800, 1900])
