@@ -20,6 +20,7 @@ from vdoor.export.report.document import Addition, document
 from vdoor.results.editor import ACTIONS, EDITS, RefusedError, ResultEditor
 from vdoor.results.reading import read_finished
 from vdoor.results.steps import Steps, StepsOnDisk
+from vdoor.topology import TopologicalMap
 
 STYLES = ("edit.css",)
 SCRIPTS = ("server.js", "tools.js", "form.js", "gestures.js", "begin.js")
@@ -46,7 +47,7 @@ class Session:
         if not result.is_dir():
             wanted = "a folder from `vdoor run --out`"
             raise SettingError(f"edit: wanted {wanted}, found {'a file' if result.exists() else 'none'}: {result}")
-        read_finished(result)  # an error ends the command before anything is written
+        self._provenance = read_finished(result, provenance=True).provenance
         self.result = result
         self._disk = StepsOnDisk(result, FILES)
         self._one_at_a_time = threading.Lock()
@@ -87,7 +88,7 @@ class Session:
             if not change.files:
                 return self._state(steps) | {"said": "Nothing to change."}
             steps = self._disk.do(steps, change.said, {path.name: content for path, content in change.files})
-            return self._state(steps) | {"said": change.said}
+            return self._shown(steps, change.topology) | {"said": change.said}
 
     def go(self, by: int, *, seen: str) -> dict[str, Any]:
         """The state after undoing (-1) or redoing (1) a step."""
@@ -110,9 +111,11 @@ class Session:
         return steps
 
     def _state(self, steps: Steps) -> dict[str, Any]:
-        finished = read_finished(self.result, provenance=True)
-        refuse_not_finite(finished.topology)
-        return {**result_data(finished.topology, finished.provenance), "edit": self._about(steps)}
+        return self._shown(steps, read_finished(self.result).topology)
+
+    def _shown(self, steps: Steps, topology: TopologicalMap) -> dict[str, Any]:
+        refuse_not_finite(topology)
+        return {**result_data(topology, self._provenance), "edit": self._about(steps)}
 
     def _about(self, steps: Steps) -> dict[str, Any]:
         file = self.result / EDITS

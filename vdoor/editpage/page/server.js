@@ -50,6 +50,7 @@ async function ask(name, body, at) {
   if (asking) return false;
   asking = true;
   group("place-note").hidden = true;
+  const slow = setTimeout(() => say("Working …"), 400); // a map of a thousand rooms takes a while
   try {
     const told = await post(name, body);
     if (told.rooms) showState(told);
@@ -60,6 +61,7 @@ async function ask(name, body, at) {
     complain("The page's server does not answer. Edits up to now are saved; start `vdoor edit` again.", at);
     return false;
   } finally {
+    clearTimeout(slow);
     asking = false;
   }
 }
