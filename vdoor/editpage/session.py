@@ -20,12 +20,13 @@ from vdoor.export.report.document import Addition, document
 from vdoor.results.editor import ACTIONS, EDITS, RefusedError, ResultEditor
 from vdoor.results.reading import read_finished
 from vdoor.results.steps import Steps, StepsOnDisk
+from vdoor.results.writing import NAMES
 from vdoor.topology import TopologicalMap
 
 STYLES = ("edit.css",)
 SCRIPTS = ("server.js", "tools.js", "form.js", "gestures.js", "begin.js")
-FILES = ("rooms.png", "map.json", EDITS)
-"""The files that edits change."""
+FILES = (*NAMES, EDITS)
+"""The files of a result: edits change some, and another run into the folder all."""
 SENTENCES = {
     "no room there": "There is no room at this place.",
     "no door there": "There is no door within half a metre of this place.",
@@ -48,6 +49,8 @@ class Session:
             wanted = "a folder from `vdoor run --out`"
             raise SettingError(f"edit: wanted {wanted}, found {'a file' if result.exists() else 'none'}: {result}")
         self._provenance = read_finished(result, provenance=True).provenance
+        self._grid: str | None = None
+        """The digest of the map that the provenance is of."""
         self.result = result
         self._disk = StepsOnDisk(result, FILES)
         self._one_at_a_time = threading.Lock()
@@ -115,12 +118,20 @@ class Session:
 
     def _shown(self, steps: Steps, topology: TopologicalMap) -> dict[str, Any]:
         refuse_not_finite(topology)
+        if self._grid != (now := steps.now.files["grid.png"]):
+            self._provenance, self._grid = read_finished(self.result, provenance=True).provenance, now
         return {**result_data(topology, self._provenance), "edit": self._about(steps)}
 
     def _about(self, steps: Steps) -> dict[str, Any]:
         file = self.result / EDITS
         edits = [str(edit) for edit in read_edits(file)] if file.exists() else []
-        about = {"version": _version(steps), "undo": steps.undoes, "redo": steps.redoes, "file": str(file)}
+        about = {
+            "version": _version(steps),
+            "grid": steps.now.files["grid.png"],
+            "undo": steps.undoes,
+            "redo": steps.redoes,
+            "file": str(file),
+        }
         return about | {"edits": edits[-MOST_LISTED:], "count": len(edits)}
 
 

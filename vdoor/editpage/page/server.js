@@ -19,11 +19,12 @@ function showSaved() {
 }
 
 function showState(state) {
+  if (state.edit.grid !== data.edit.grid) return location.reload(); // another map was run into the folder
   for (const part of ["facts", "rooms", "doors", "edit"]) data[part] = state[part];
   showResult();
   fitLabels();
   showSaved();
-  showForm();
+  return showForm();
 }
 
 /* A sentence on what cannot be done, beside the place where it was wanted, if there is one */
