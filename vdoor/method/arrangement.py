@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
 
 from vdoor.method.doors import VirtualDoors
 from vdoor.raster.components import components
@@ -123,7 +123,7 @@ def _join(key_left: NDArray[np.integer], key_right: NDArray[np.integer]) -> Ints
     """The join of the relations (key, left) and (key, right): unique sorted rows (left, right), by a matrix product."""
     keys = int(max(key_left[:, 0].max(initial=-1), key_right[:, 0].max(initial=-1))) + 1
     left, right = (
-        coo_array(
+        scipy.sparse.coo_array(
             (np.ones(len(rows), np.int32), (rows[:, 0], rows[:, 1])), shape=(keys, int(rows[:, 1].max(initial=-1)) + 1)
         )
         for rows in (key_left, key_right)

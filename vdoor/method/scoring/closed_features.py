@@ -8,8 +8,8 @@ from __future__ import annotations
 import copy
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from vdoor.method.doors import VirtualDoors
 from vdoor.method.scoring.segments import Segments
@@ -44,7 +44,7 @@ def closed_features(
     thicken(closed, cell)
     own = np.full(len(rows), OPEN, np.int32)
     if len(sure):
-        away, nearest = cKDTree(door.middle[sure]).query(door.middle)
+        away, nearest = scipy.spatial.cKDTree(door.middle[sure]).query(door.middle)
         own = np.where(away * door.cell_m < OWN_M, nearest, OPEN).astype(np.int32)
     space = ClosedSpace(free, closed, own)
     found = space_beside(space, door) | clearance(distance, space, door)

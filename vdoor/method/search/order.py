@@ -47,7 +47,11 @@ def _last_changes(books: Books, removed: NDArray[np.bool_]) -> list[int]:
     opening[node[~removed[cover]]] = CLOSED  # covered by a kept door
     opened = np.flatnonzero(opening != CLOSED)
     opened = opened[np.argsort(opening[opened], kind="stable")]
-    one_with, last, is_open = list(range(nodes)), list(range(nodes)), [one < books.problem.regions for one in range(nodes)]
+    one_with, last, is_open = (
+        list(range(nodes)),
+        list(range(nodes)),
+        [one < books.problem.regions for one in range(nodes)],
+    )
 
     def found(one: int) -> int:
         while one_with[one] != one:
