@@ -56,7 +56,7 @@ COMMANDS = (
     ("nav2", nav2.nav2, "vdoor nav2 result/ --out nav2/ --slow Kitchen=50"),
     ("valetudo", valetudo.valetudo, "vdoor valetudo result/ --clean Kitchen --clean 3"),
     ("rooms", rooms.rooms, "vdoor rooms result/"),
-    ("room-at", rooms.room_at, "vdoor room-at 3.2,-4.1 out.mcap"),
+    ("room-at", rooms.room_at, "vdoor room-at out.mcap 3.2,-4.1"),
     ("route", navigate.route, "vdoor route result/ Kitchen 3 --via Hall --export waypoints=path.yaml"),
     (
         "cover",
