@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from vdoor.cli.options import Force, naming
-from vdoor.errors import VdoorError, say
+from vdoor.cli.options import Force
+from vdoor.errors import VdoorError, naming, say
 
 if TYPE_CHECKING:
     from vdoor.emit import RunInfo, Sink

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from vdoor.cli.navigate import Radius, Running, Source
-from vdoor.cli.options import Force, MaxCells, Preset, Resolution, Seed, Set, Unknown, naming
+from vdoor.cli.options import Force, MaxCells, Preset, Resolution, Seed, Set, Unknown
 from vdoor.config import DEFAULT_PRESET
-from vdoor.errors import SettingError, say
+from vdoor.errors import SettingError, naming, say
 
 if TYPE_CHECKING:
     from vdoor.export import Finished
