@@ -85,6 +85,8 @@ COMMANDS = (
 )
 """Name, function, example."""
 WITH_PLACES = ("room-at", "route", "cover", "order", "rename", "split", "merge", "door")
+LEFT_OUT = {"rerun": "rerun-sdk==0.41.*"}
+"""Packages without which most commands work, by the name of the module."""
 CONTEXTS = {name: {"ignore_unknown_options": True} for name in WITH_PLACES}
 """Places such as -1.2,3.4 begin with a minus and are not options."""
 
@@ -114,4 +116,10 @@ def main() -> None:
         app(prog_name="vdoor")
     except VdoorError as error:
         say(str(error))
+        sys.exit(2)
+    except ModuleNotFoundError as error:
+        if error.name not in LEFT_OUT:
+            raise
+        package = LEFT_OUT[error.name]
+        say(f"{error.name}: wanted the package {package}, found none; `pip install {package}` adds it")
         sys.exit(2)
