@@ -179,7 +179,7 @@ def test_a_record_nobody_has_drawn_for_is_still_shown(tmp_path: Path) -> None:
     sink = RerunSink.to_file(path, info(vdoor.read_map(FLAT)))
     sink.write(0, Heat(warmth=np.eye(4, dtype=np.int32), degrees=np.array([1.0, 2.0])))
     sink.close()
-    assert rows(path, "/other/heat/warmth") == 1
+    assert rows(path, "/other/heat/warmth") == 1 + 1  # the cells, and their colours
     assert rows(path, "/tables/heat") == 2
 
 
