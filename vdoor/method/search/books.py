@@ -89,6 +89,10 @@ class Books:
         """The number of kept doors that separate each pair of rooms, and no other."""
         self.doors_at: dict[int, set[int]] = {number: set() for number in self.rooms}
         """The kept doors that separate each room from others."""
+        self.hope: list[bool] = (problem.most_gain > 0).tolist()
+        """Which doors may gain anything if they separate rooms."""
+        self.idle_hopes = int((~removed & (problem.most_gain > 0)).sum())
+        """The number of kept doors that separate nothing but may gain."""
         for edge, rooms in enumerate(self.separated):
             if rooms:
                 self.enter(edge, rooms)
@@ -96,6 +100,7 @@ class Books:
 
     def enter(self, edge: int, rooms: Rooms) -> None:
         """Note that a kept door separates these rooms."""
+        self.idle_hopes -= self.hope[edge]
         self.separated[edge] = rooms
         for room in rooms:
             self.doors_at[room].add(edge)
@@ -105,6 +110,7 @@ class Books:
     def strike(self, edge: int) -> None:
         """Note that a door separates nothing any more."""
         rooms = self.separated[edge]
+        self.idle_hopes += self.hope[edge] and bool(rooms)
         for room in rooms:
             self.doors_at[room].discard(edge)
         if len(rooms) == PAIR:

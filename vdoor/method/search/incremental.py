@@ -64,6 +64,15 @@ class FlipState:
         self._note(cost)
         return True
 
+    def is_vain(self, edge: int) -> bool:
+        """Whether keeping a removed door cannot lower the cost, whatever it separates.
+
+        It gains nothing itself, nor does any kept door that separates nothing yet and might with it. All else that
+        keeping a door changes costs: conflicts, the area that smaller rooms lack, and pairs of rooms that become two.
+        """
+        books = self.books
+        return self.problem.cost.counts_separating and books.removed[edge] and not (books.hope[edge] or books.idle_hopes)
+
     def open_idle(self) -> None:
         """Open the kept doors that separate nothing, the least likely first."""
         for edge in self.problem.worst_first.tolist():

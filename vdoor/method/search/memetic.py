@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Annotated
@@ -78,26 +79,28 @@ def ordered(problem: MergeProblem, strings: Bits) -> tuple[Bits, Costs]:
 
 def greedy(problem: MergeProblem) -> Bits:
     """The greedy choice (r,): keeps doors that gain, the likeliest first, without conflicts; bit 1 = removed."""
-    removed = np.ones(problem.edges, np.bool_)
-    conflicts = FlipState(problem).conflicts
-    for edge in np.argsort(-problem.log_odds, kind="stable").tolist():
-        if problem.gain[edge] <= 0:
-            continue
-        removed[edge] = any(not removed[other] for other in conflicts[edge])
-    return removed
+    removed = [True] * problem.edges
+    conflicts = problem.adjacency.conflicts
+    order = np.argsort(-problem.log_odds, kind="stable")
+    for edge in order[problem.gain[order] > 0].tolist():
+        removed[edge] = not all(removed[other] for other in conflicts[edge])
+    return np.array(removed, np.bool_)
 
 
 def climbed(problem: MergeProblem, removed: Bits) -> Bits:
     """The string (r,) after local search: flips of doors, and swaps with conflicting doors, until none helps."""
     state = FlipState(problem, np.flatnonzero(removed).tolist())
-    better = True
-    while better:
-        before = state.cost
-        for edge in range(problem.edges):
-            kept = [other for other in state.conflicts[edge] if not state.removed[other]]
-            if state.removed[edge] and kept:
-                state.try_flips([*kept, edge], -SURELY)
-            else:
-                state.try_flip(edge, -SURELY)
-        better = state.cost < before
+    in_vain = 0
+    for edge in itertools.cycle(range(problem.edges)):
+        in_vain = 0 if _improved(state, edge) else in_vain + 1
+        if in_vain == problem.edges:
+            break
     return np.array(state.removed, np.bool_)
+
+
+def _improved(state: FlipState, edge: int) -> bool:
+    """Whether the cost fell by flipping a door, or by keeping it instead of those in conflict with it."""
+    kept = [other for other in state.conflicts[edge] if not state.removed[other]] if state.removed[edge] else []
+    if kept:
+        return state.try_flips([*kept, edge], -SURELY)
+    return not state.is_vain(edge) and state.try_flip(edge, -SURELY)
