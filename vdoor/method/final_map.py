@@ -15,8 +15,8 @@ from vdoor.frame import Frame
 from vdoor.grid import FREE, OccupancyGrid
 from vdoor.method.final_doors import SILL, Doors, door_rows, matched_to_contacts, on_sill
 from vdoor.method.initial_map import InitialMap
-from vdoor.method.search.generation import Generation
 from vdoor.method.search.books import CLOSED
+from vdoor.method.search.generation import Generation
 from vdoor.method.search.incremental import FlipState
 from vdoor.method.search.order import RoomOrder
 from vdoor.method.search.problem import Bits, MergeProblem

@@ -8,7 +8,6 @@ from typing import NamedTuple
 
 from vdoor.method.search.books import CLOSED, PAIR, Books, Room, Rooms, Sums
 
-
 NONE = Room()
 SHUT = -1
 FIRST_STEP = 8

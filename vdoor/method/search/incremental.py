@@ -71,7 +71,9 @@ class FlipState:
         keeping a door changes costs: conflicts, the area that smaller rooms lack, and pairs of rooms that become two.
         """
         books = self.books
-        return self.problem.cost.counts_separating and books.removed[edge] and not (books.hope[edge] or books.idle_hopes)
+        return (
+            self.problem.cost.counts_separating and books.removed[edge] and not (books.hope[edge] or books.idle_hopes)
+        )
 
     def open_idle(self) -> None:
         """Open the kept doors that separate nothing, the least likely first."""
