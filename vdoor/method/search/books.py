@@ -136,6 +136,19 @@ class Books:
                     found.append(near)
         return found
 
+    def cells_behind(self, edge: int, region: int, enough: int) -> int:
+        """The number of cells that are joined to a region without the nodes of a door; beyond `enough`, fewer."""
+        found, seen = [region], {region, *self.near.nodes_of[edge]}
+        cells = 0
+        for node in found:  # the list grows during the loop
+            cells += self.cells[node]
+            if cells >= enough:
+                break
+            fresh = [near for near in self.near.neighbours[node] if near not in seen and self.room_of[near] != CLOSED]
+            seen.update(fresh)
+            found += fresh
+        return cells
+
     def of_nodes(self, nodes: Iterable[int]) -> Room:
         """The sums over some nodes."""
         count = regions = cells = 0
