@@ -97,6 +97,8 @@ class Books:
             if rooms:
                 self.enter(edge, rooms)
         self.sums = self._sums()
+        self.work = 0
+        """Work done so far: nodes and doors that were looked at to judge and make flips."""
 
     def enter(self, edge: int, rooms: Rooms) -> None:
         """Note that a kept door separates these rooms."""
@@ -134,6 +136,7 @@ class Books:
                 if self.room_of[near] == room and near not in seen:
                     seen.add(near)
                     found.append(near)
+        self.work += len(found)
         return found
 
     def cells_behind(self, edge: int, region: int, enough: int) -> int:

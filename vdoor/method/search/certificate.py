@@ -125,7 +125,9 @@ def gain_of_bridge(state: FlipState, edge: int) -> float:
     whole = books.rooms[books.room_of[books.near.regions_of[edge][0]]].cells
     sums = books.sums
     kept = sums._replace(
-        lacking_cells=sums.lacking_cells + sum(max(threshold - cells, 0) for cells in parts) - max(threshold - whole, 0),
+        lacking_cells=sums.lacking_cells
+        + sum(max(threshold - cells, 0) for cells in parts)
+        - max(threshold - whole, 0),
         separating=sums.separating + 1,
         pairs=sums.pairs + 1,
         log_odds=sums.log_odds + books.log_odds[edge],

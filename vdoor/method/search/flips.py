@@ -10,6 +10,8 @@ from vdoor.method.search.books import CLOSED, PAIR, Books, Room, Rooms, Sums
 
 NONE = Room()
 SHUT = -1
+WORK_OF_FLIP = 20
+"""What judging any flip takes, beside looking at so many nodes or doors."""
 FIRST_STEP = 8
 """The number of nodes to which each part of a room grows at first; it doubles with each turn."""
 
@@ -33,7 +35,9 @@ class Change(NamedTuple):
 
 def judged(books: Books, edge: int) -> Change:
     """What changes if the door is removed, or kept if it is removed."""
-    return closing(books, edge) if books.removed[edge] else opening(books, edge)
+    change = closing(books, edge) if books.removed[edge] else opening(books, edge)
+    books.work += WORK_OF_FLIP + len(change.separated)
+    return change
 
 
 def opening(books: Books, edge: int) -> Change:
@@ -89,7 +93,8 @@ def openings(books: Books, nodes: list[int]) -> list[tuple[list[int], dict[int, 
         if first not in pending:
             continue
         pending.discard(first)
-        group, entry = [first], {}
+        group = [first]
+        entry: dict[int, int] = {}
         for node in group:  # the list grows during the loop
             for near in books.near.neighbours[node]:
                 if near in pending:
@@ -143,6 +148,7 @@ class Growth:
                 if len(self.growing) == 1:
                     break
             size *= 2
+        self.books.work += len(self.group_of)
         return found
 
     def _grow(self, group: int, size: int) -> None:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Annotated
 
 import numpy as np
+from numpy.typing import NDArray
 
 from vdoor.config import Within
 from vdoor.method.search.costs import Costs
@@ -17,6 +18,8 @@ from vdoor.method.search.problem import Bits, MergeProblem
 
 SURELY = 1e-9
 """Smallest decrease of the cost that counts as an improvement, and not as rounding."""
+MOST_WORK = 2_000_000
+"""Limit for the nodes and doors that local search looks at, in all generations together."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -35,21 +38,24 @@ class MemeticSearch:
         first = greedy(problem)
         near = rng.random((self.population - 1, problem.edges)) < 2 / max(problem.edges, 2)
         strings = np.concatenate([first[None], first ^ near])
-        strings, costs = ordered(problem, strings)
+        strings, costs = ordered(problem, strings, problem.evaluate(strings))
         evaluations = len(strings) + 1
         yield summary(0, evaluations, strings, costs)
-        best, since = float(costs.cost.min()), 0
+        best, since, work_left = float(costs.cost.min()), 0, MOST_WORK
         for number in range(1, self.generations + 1):
             children = self._children(strings, rng)
-            improved = climbed(problem, children[np.argmin(problem.evaluate(children).cost)])
-            strings = np.unique(np.concatenate([strings, children, improved[None]]), axis=0)
-            evaluations += len(children) + len(strings) + 1
-            strings, costs = ordered(problem, strings)
-            strings, costs = strings[: self.population], Costs(*(term[: self.population] for term in costs))
+            of_children = problem.evaluate(children)
+            improved, work = climbed(problem, children[np.argmin(of_children.cost)], work_left)
+            strings = np.concatenate([strings, children, improved[None]])
+            costs = joined(costs, of_children, problem.evaluate(improved[None]))
+            strings, first_of = np.unique(strings, axis=0, return_index=True)
+            evaluations += len(children) + len(strings) + 1  # as if all were evaluated, which some were before
+            strings, costs = ordered(problem, strings, rows(costs, first_of))
+            strings, costs = strings[: self.population], rows(costs, slice(self.population))
             yield summary(number, evaluations, strings, costs)
             since = 0 if costs.cost[0] < best else since + 1
-            best = float(costs.cost[0])
-            if since == self.patience or problem.edges == 0:
+            best, work_left = float(costs.cost[0]), work_left - work
+            if since == self.patience or problem.edges == 0 or work_left <= 0:
                 return
 
     def _children(self, parents: Bits, rng: np.random.Generator) -> Bits:
@@ -59,22 +65,32 @@ class MemeticSearch:
         return np.asarray(child ^ (rng.random(child.shape) < 1 / max(child.shape[1], 1)))
 
 
-def ordered(problem: MergeProblem, strings: Bits) -> tuple[Bits, Costs]:
+def ordered(problem: MergeProblem, strings: Bits, costs: Costs) -> tuple[Bits, Costs]:
     """The strings (p, r) with their costs, the best first; in the best one, doors that separate nothing are removed.
 
     This is done if the cost counts separating doors only: such doors gain nothing, and the final map would drop them.
     So the final map has exactly the doors that the best string keeps.
     """
-    costs = problem.evaluate(strings)
     fittest = np.argsort(costs.cost, kind="stable")
-    strings, costs = strings[fittest], Costs(*(term[fittest] for term in costs))
-    if not problem.cost.counts_separating:
+    strings, costs = strings[fittest], rows(costs, fittest)
+    best = strings[:1]
+    separating, _ = problem.separating(best, problem.rooms(best)[0])
+    if not problem.cost.counts_separating or (best ^ separating).all():
         return strings, costs
     state = FlipState(problem, np.flatnonzero(strings[0]).tolist())
     state.open_idle()
     strings[0] = state.removed
-    best = problem.evaluate(strings[:1])
-    return strings, Costs(*(np.append(one, rest[1:]) for one, rest in zip(best, costs, strict=True)))
+    return strings, joined(problem.evaluate(strings[:1]), rows(costs, slice(1, None)))
+
+
+def rows(costs: Costs, chosen: NDArray[np.intp] | slice) -> Costs:
+    """The costs of some of the strings."""
+    return Costs(*(term[chosen] for term in costs))
+
+
+def joined(*parts: Costs) -> Costs:
+    """The costs of several groups of strings in one."""
+    return Costs(*map(np.concatenate, zip(*parts, strict=True)))
 
 
 def greedy(problem: MergeProblem) -> Bits:
@@ -87,15 +103,18 @@ def greedy(problem: MergeProblem) -> Bits:
     return np.array(removed, np.bool_)
 
 
-def climbed(problem: MergeProblem, removed: Bits) -> Bits:
-    """The string (r,) after local search: flips of doors, and swaps with conflicting doors, until none helps."""
+def climbed(problem: MergeProblem, removed: Bits, most_work: int) -> tuple[Bits, int]:
+    """The string (r,) after local search, and the work it took.
+
+    Doors are flipped, or swapped with those in conflict, until none helps or the work is more than `most_work`.
+    """
     state = FlipState(problem, np.flatnonzero(removed).tolist())
     in_vain = 0
     for edge in itertools.cycle(range(problem.edges)):
         in_vain = 0 if _improved(state, edge) else in_vain + 1
-        if in_vain == problem.edges:
+        if in_vain == problem.edges or state.books.work > most_work:
             break
-    return np.array(state.removed, np.bool_)
+    return np.array(state.removed, np.bool_), state.books.work
 
 
 def _improved(state: FlipState, edge: int) -> bool:
