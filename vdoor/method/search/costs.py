@@ -119,13 +119,15 @@ class DoorEnergy:
 
     room_m2: Annotated[float, Within(0, 1e6)] = 2.0
     """Room threshold T."""
+    room_m2_rough: Annotated[float, Within(0, 1e6)] = 1.6
+    """`room_m2` for rough maps: robots map homes, which have smaller rooms than offices."""
     lack_weight: Annotated[float, Within(0, 1e6)] = 1.5
     """Cost, in log-odds, of a room of zero area; falls linearly to 0 at the threshold."""
     lack_weight_rough: Annotated[float, Within(0, 1e6)] = 8.0
     """`lack_weight` for rough maps, on which furniture creates false rooms."""
     bias: Annotated[float, Within(-100, 100)] = 0.4
     """Added to the log-odds of each door: higher values keep more doors."""
-    bias_rough: Annotated[float, Within(-100, 100)] = 0.3
+    bias_rough: Annotated[float, Within(-100, 100)] = 0.2
     """`bias` for rough maps."""
     further_bias: Annotated[float, Within(0, 100)] = 0.0
     """Added for each further door between the same two rooms, as the first is already evidence that they are two. One
@@ -146,7 +148,7 @@ class DoorEnergy:
     def on_map(self, share_rough: float) -> DoorEnergy:
         """The energy with each weight interpolated between those of clean and rough maps."""
         weights = {}
-        for name in ("lack_weight", "bias", "further_bias"):
+        for name in ("room_m2", "lack_weight", "bias", "further_bias"):
             clean, rough = getattr(self, name), getattr(self, f"{name}_rough")
             weights[name] = weights[f"{name}_rough"] = clean * (1 - share_rough) + rough * share_rough
         return replace(self, **weights)

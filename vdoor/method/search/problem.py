@@ -61,7 +61,7 @@ class MergeProblem:
         self.worst_first = np.lexsort(worst)[::-1] if scores is None else np.argsort(self.log_odds, kind="stable")
         """The order (edges,) in which doors that separate nothing are dropped."""
         self.is_region = np.arange(count) < self.regions
-        self.small_cells = cost.room_m2 / self.cell_m2
+        self.small_cells = self.cost.room_m2 / self.cell_m2
         self.threshold_cells = round(self.small_cells)
         """The room threshold in whole cells, so that the area that rooms lack is summed exactly."""
         self.at_once = max(1, MOST_AT_ONCE // (count + len(self.links[0]) + len(self.cover_edge) + 1))
