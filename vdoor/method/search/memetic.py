@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Annotated
 
@@ -57,6 +57,12 @@ class MemeticSearch:
             best, work_left = float(costs.cost[0]), work_left - work
             if since == self.patience or problem.edges == 0 or work_left <= 0:
                 return
+
+    def cut_short(self, best_costs: Sequence[float]) -> bool:
+        """Whether a search with these best costs, one per generation, ended because its work was limited."""
+        lately = best_costs[-self.patience - 1 :]
+        patient = len(lately) > self.patience and lately[0] == lately[-1]
+        return not patient and len(best_costs) <= self.generations
 
     def _children(self, parents: Bits, rng: np.random.Generator) -> Bits:
         """Children (p, r), as many as the population: bits of two random parents, one flipped on average."""
