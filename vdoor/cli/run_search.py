@@ -39,9 +39,8 @@ class SearchNotes:
             self._best_costs.append(record.best_cost)
         elif self._best_costs:
             if self._search.cut_short(self._best_costs):
-                say(
-                    f"note: the search of doors ended early, in generation {len(self._best_costs) - 1}: too many of them"
-                )
+                generation = len(self._best_costs) - 1
+                say(f"note: too many doors to search to the end; stopped in generation {generation}")
             self._best_costs = []
 
     def close(self) -> None:
