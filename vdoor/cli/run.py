@@ -31,6 +31,7 @@ from vdoor.cli.options import (
     robot_place,
 )
 from vdoor.cli.run_edits import EditNotes, leave_edits, matched, with_edits
+from vdoor.cli.run_search import SearchNotes
 from vdoor.config import DEFAULT_PRESET
 from vdoor.errors import SettingError, say
 
@@ -118,7 +119,11 @@ def run(
         pipeline, found = matched(match, grid, pipeline, seed=seed, edits_too=edits is None, quiet=quiet)
     info = run_info(grid, preset, pipeline, seed)
     with opened(outputs, info) as recording:
-        notes = [*([] if quiet else [Progress(verbose=verbose)]), *EditNotes.sinks(pipeline, quiet=quiet)]
+        notes = [
+            *([] if quiet else [Progress(verbose=verbose)]),
+            *EditNotes.sinks(pipeline, quiet=quiet),
+            *SearchNotes.sinks(pipeline, quiet=quiet),
+        ]
         watch = Stopwatch(Recorder([*recording.sinks, *exports.sinks(info), *notes]))
         with naming_path(map_file, grid):
             topology = run_prepared(grid, pipeline, seed=seed, emit=watch)

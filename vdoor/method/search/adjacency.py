@@ -48,8 +48,8 @@ class Adjacency(NamedTuple):
 
 
 def grouped(pairs: NDArray[np.integer], count: int) -> Lists:
-    """The second of the pairs (2, k) for each of the `count` first ones, in the order of the pairs."""
-    order = np.argsort(pairs[0], kind="stable")
+    """The second of the pairs (2, k) for each of the `count` first ones, ascending."""
+    order = np.lexsort((pairs[1], pairs[0]))
     second = pairs[1, order].tolist()
     ends = np.cumsum(np.bincount(pairs[0], minlength=count)).tolist()
     return [second[begin:end] for begin, end in zip([0, *ends], ends, strict=False)]

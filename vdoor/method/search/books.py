@@ -89,13 +89,20 @@ class Books:
         """The number of kept doors that separate each pair of rooms, and no other."""
         self.doors_at: dict[int, set[int]] = {number: set() for number in self.rooms}
         """The kept doors that separate each room from others."""
+        self.hope: list[bool] = (problem.most_gain > 0).tolist()
+        """Which doors may gain anything if they separate rooms."""
+        self.idle_hopes = int((~removed & (problem.most_gain > 0)).sum())
+        """The number of kept doors that separate nothing but may gain."""
         for edge, rooms in enumerate(self.separated):
             if rooms:
                 self.enter(edge, rooms)
         self.sums = self._sums()
+        self.work = 0
+        """Work done so far: nodes and doors that were looked at to judge and make flips."""
 
     def enter(self, edge: int, rooms: Rooms) -> None:
         """Note that a kept door separates these rooms."""
+        self.idle_hopes -= self.hope[edge]
         self.separated[edge] = rooms
         for room in rooms:
             self.doors_at[room].add(edge)
@@ -105,6 +112,7 @@ class Books:
     def strike(self, edge: int) -> None:
         """Note that a door separates nothing any more."""
         rooms = self.separated[edge]
+        self.idle_hopes += self.hope[edge] and bool(rooms)
         for room in rooms:
             self.doors_at[room].discard(edge)
         if len(rooms) == PAIR:
@@ -128,7 +136,21 @@ class Books:
                 if self.room_of[near] == room and near not in seen:
                     seen.add(near)
                     found.append(near)
+        self.work += len(found)
         return found
+
+    def cells_behind(self, edge: int, region: int, enough: int) -> int:
+        """The number of cells that are joined to a region without the nodes of a door; beyond `enough`, fewer."""
+        found, seen = [region], {region, *self.near.nodes_of[edge]}
+        cells = 0
+        for node in found:  # the list grows during the loop
+            cells += self.cells[node]
+            if cells >= enough:
+                break
+            fresh = [near for near in self.near.neighbours[node] if near not in seen and self.room_of[near] != CLOSED]
+            seen.update(fresh)
+            found += fresh
+        return cells
 
     def of_nodes(self, nodes: Iterable[int]) -> Room:
         """The sums over some nodes."""

@@ -9,6 +9,11 @@ from typing import NamedTuple
 from vdoor.method.search.books import CLOSED, PAIR, Books, Room, Rooms, Sums
 
 NONE = Room()
+SHUT = -1
+WORK_OF_FLIP = 20
+"""What judging any flip takes, beside looking at so many nodes or doors."""
+FIRST_STEP = 8
+"""The number of nodes to which each part of a room grows at first; it doubles with each turn."""
 
 
 class Change(NamedTuple):
@@ -30,7 +35,9 @@ class Change(NamedTuple):
 
 def judged(books: Books, edge: int) -> Change:
     """What changes if the door is removed, or kept if it is removed."""
-    return closing(books, edge) if books.removed[edge] else opening(books, edge)
+    change = closing(books, edge) if books.removed[edge] else opening(books, edge)
+    books.work += WORK_OF_FLIP + len(change.separated)
+    return change
 
 
 def opening(books: Books, edge: int) -> Change:
@@ -86,7 +93,8 @@ def openings(books: Books, nodes: list[int]) -> list[tuple[list[int], dict[int, 
         if first not in pending:
             continue
         pending.discard(first)
-        group, entry = [first], {}
+        group = [first]
+        entry: dict[int, int] = {}
         for node in group:  # the list grows during the loop
             for near in books.near.neighbours[node]:
                 if near in pending:
@@ -104,7 +112,7 @@ def openings(books: Books, nodes: list[int]) -> list[tuple[list[int], dict[int, 
 def parts(books: Books, room: int, closed: Iterable[int]) -> list[list[int]]:
     """The parts (lists of nodes) that a room falls into without some nodes, but for one that is left over.
 
-    They grow at the same time, a node at a time, until all but one are complete: that costs what the smaller ones do.
+    They grow in turns until all but one are complete, which costs about what the smaller ones do.
     """
     shut = set(closed)
     inside = {near for node in closed for near in books.near.neighbours[node] if books.room_of[near] == room}
@@ -116,8 +124,9 @@ class Growth:
     """Groups of nodes of a room that grow from their starts until they meet or are complete."""
 
     def __init__(self, books: Books, room: int, shut: set[int], starts: list[int]) -> None:
-        self.books, self.room, self.shut = books, room, shut
-        self.group_of = {start: group for group, start in enumerate(starts)}
+        self.books, self.room = books, room
+        self.group_of = dict.fromkeys(shut, SHUT)
+        self.group_of.update((start, group) for group, start in enumerate(starts))
         self.one_with = list(range(len(starts)))
         """A group that each group is one with: itself, or one that it met."""
         self.nodes = [[start] for start in starts]
@@ -126,34 +135,35 @@ class Growth:
 
     def complete(self) -> list[list[int]]:
         """The nodes of all complete groups when only one is left that grows."""
-        found = []
+        found: list[list[int]] = []
+        size = FIRST_STEP
         while len(self.growing) > 1:
             for group in list(self.growing):
                 if self.one_with[group] != group:
                     continue
-                if self.pending[group]:
-                    self._grow(group)
-                else:
+                self._grow(group, size)
+                if not self.pending[group]:
                     found.append(self.nodes[group])
                     self.growing.remove(group)
                 if len(self.growing) == 1:
                     break
+            size *= 2
+        self.books.work += len(self.group_of)
         return found
 
-    def _grow(self, group: int) -> None:
-        """Add the neighbours of the group's nodes that were added last."""
-        front, self.pending[group] = self.pending[group], []
-        room_of, neighbours, group_of = self.books.room_of, self.books.near.neighbours, self.group_of
-        for node in front:
-            for near in neighbours[node]:
-                if room_of[near] != self.room or near in self.shut:
-                    continue
+    def _grow(self, group: int, size: int) -> None:
+        """Add neighbours until the group has that many nodes, or no more to be added."""
+        room, room_of, neighbours, group_of = self.room, self.books.room_of, self.books.near.neighbours, self.group_of
+        nodes, pending = self.nodes[group], self.pending[group]
+        while pending and len(nodes) < size:
+            for near in neighbours[pending.pop()]:
                 other = group_of.get(near)
                 if other is None:
-                    group_of[near] = group
-                    self.nodes[group].append(near)
-                    self.pending[group].append(near)
-                elif other != group:
+                    if room_of[near] == room:
+                        group_of[near] = group
+                        nodes.append(near)
+                        pending.append(near)
+                elif other not in (group, SHUT):
                     self._meet(group, other)
 
     def _meet(self, group: int, other: int) -> None:
@@ -225,6 +235,7 @@ def renamed(rooms: Rooms, joined: Mapping[int, int]) -> Rooms:
 def make(books: Books, change: Change) -> None:
     """Flip the door."""
     keeps = books.removed[change.edge]
+    books.idle_hopes += books.hope[change.edge] if keeps else -books.hope[change.edge]
     books.removed[change.edge] = not keeps
     for node in books.near.nodes_of[change.edge]:
         books.kept_doors[node] += 1 if keeps else -1

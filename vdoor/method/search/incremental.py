@@ -7,7 +7,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from vdoor.method.search.books import Books
+from vdoor.method.search.books import Books, Sums
 from vdoor.method.search.flips import Change, judged, make
 from vdoor.method.search.generation import Generation, summary
 from vdoor.method.search.order import RoomOrder
@@ -29,7 +29,7 @@ class FlipState:
         self.order: RoomOrder | None = None
         """When rooms last changed, if someone wants to know."""
         self.conflicts = self.books.near.conflicts
-        self.cost = self._cost()
+        self.cost = self.cost_of(self.books.sums)
         self.best_cost, self.best = self.cost, list(self.removed)
 
     @property
@@ -45,7 +45,7 @@ class FlipState:
     def try_flip(self, edge: int, allowance: float) -> bool:
         """Flip a door unless that raises the cost by more than `allowance`; returns whether it was flipped."""
         change = judged(self.books, edge)
-        cost = self.problem.cost.value(change.sums.totals(self.problem.cell_m2))
+        cost = self.cost_of(change.sums)
         if cost > self.cost + allowance:
             return False
         self._make(change)
@@ -56,13 +56,24 @@ class FlipState:
         """Flip doors together unless that raises the cost by more than `allowance`; returns whether it did so."""
         for edge in edges:
             self._make(judged(self.books, edge))
-        cost = self._cost()
+        cost = self.cost_of(self.books.sums)
         if cost > self.cost + allowance:
             for edge in reversed(edges):
                 self._make(judged(self.books, edge))
             return False
         self._note(cost)
         return True
+
+    def is_vain(self, edge: int) -> bool:
+        """Whether keeping a removed door cannot lower the cost, whatever it separates.
+
+        It gains nothing itself, nor does any kept door that separates nothing yet and might with it. All else that
+        keeping a door changes costs: conflicts, the area that smaller rooms lack, and pairs of rooms that become two.
+        """
+        books = self.books
+        return (
+            self.problem.cost.counts_separating and books.removed[edge] and not (books.hope[edge] or books.idle_hopes)
+        )
 
     def open_idle(self) -> None:
         """Open the kept doors that separate nothing, the least likely first."""
@@ -88,7 +99,7 @@ class FlipState:
             (self.order.tried if joined else self.order.opened)(change)
         if not joined:
             self._make(change)
-            self._note(self._cost())
+            self._note(self.cost_of(self.books.sums))
         return joined
 
     def generation(self, number: int, evaluations: int, costs: list[float]) -> Generation:
@@ -105,5 +116,6 @@ class FlipState:
         if cost < self.best_cost:
             self.best_cost, self.best = cost, list(self.removed)
 
-    def _cost(self) -> float:
-        return self.problem.cost.value(self.books.sums.totals(self.problem.cell_m2))
+    def cost_of(self, sums: Sums) -> float:
+        """The cost of a choice with these sums."""
+        return self.problem.cost.value(sums.totals(self.problem.cell_m2))
