@@ -19,6 +19,9 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 
+LEFT_OUT = {"rerun": "rerun-sdk==0.41.*"}
+"""Packages without which most commands work, by the name of the module."""
+
 
 def _print_version(wanted: bool) -> None:
     if wanted:
@@ -42,4 +45,10 @@ def main() -> None:
         app(prog_name="vdoor")
     except VdoorError as error:
         say(str(error))
+        sys.exit(2)
+    except ModuleNotFoundError as error:
+        if error.name not in LEFT_OUT:
+            raise
+        package = LEFT_OUT[error.name]
+        say(f"{error.name}: wanted the package {package}, found none; `pip install {package}` adds it")
         sys.exit(2)
