@@ -91,9 +91,13 @@ class SimplifyGrid:
         if len(self.robot_m) not in (0, 2):
             raise SettingError(f"simplify.robot_m: wanted x and y, or none, found {list(self.robot_m)}")
 
+    def factor(self, frame: Frame) -> int:
+        """The number of input cells along one side of a working cell."""
+        return max(1, round(self.cell_m / frame.resolution_m))
+
     def __call__(self, grid: OccupancyGrid) -> SimplifiedGrid:
         """The simplified grid; raises MapError if no cell is free, or none is near the robot's position."""
-        factor = max(1, round(self.cell_m / grid.frame.resolution_m))
+        factor = self.factor(grid.frame)
         frame = working_frame(grid.frame, factor)
         before = resampled(grid, factor)
         reason = np.zeros(before.shape, np.uint8)
