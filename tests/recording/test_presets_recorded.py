@@ -258,7 +258,7 @@ def test_scores_and_certificate_are_drawn(two_rooms: Path, tmp_path: Path) -> No
     layers = ("doubtful", "likely", "sure", "conflicts", *judged)
     assert {name: rows[f"/map/scores/{name}"] for name in layers} == dict.fromkeys(layers, 1)
     assert rows["/certificate"] == 1
-    assert rows["/charts/cost/levels/no"] == 1  # no choice costs less
+    assert rows["/charts/cost/levels/lower"] == 1
 
 
 def test_colours_go_from_doubtful_to_sure() -> None:

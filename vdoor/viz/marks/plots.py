@@ -66,7 +66,7 @@ def cost_chart(run: RunRecords) -> Chart:
         for name, colour in (("worst", style.WORST), ("mean", style.MEAN), ("best", style.BEST))
     ]
     bound = [run.certificate.lower_bound] if run.has(Certificate) else []
-    levels = [(cost, style.BOUND, f"no choice costs less than {cost:.2f}") for cost in bound]
+    levels = [(cost, style.BOUND, f"lower bound, {cost:.2f}") for cost in bound]
     what = "cost (energy of scored doors)" if run.has(DoorScores) else "cost (eq. 7)"
     high = _seen_up_to(run.search.numbers("best_cost"), bound)
     return Chart(name="cost", x_label="generation", y_label=what, curves=curves, levels=levels, high=high)
