@@ -108,10 +108,6 @@ def _refuse_pictures(save: Path | None, png: Path | None, *, force: bool) -> Non
         if not path.parent.is_dir():
             raise SettingError(f"output: wanted an existing folder, found none: {path.parent}")
         refuse_folder(path.parent)
-    if png is not None:
-        from vdoor.viz.charts import require_matplotlib
-
-        require_matplotlib()
 
 
 def _draw(points: list[Point], save: Path | None, png: Path | None) -> None:

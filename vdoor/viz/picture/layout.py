@@ -63,6 +63,13 @@ def laid_out(wanted: Wanted, most: tuple[float, float]) -> Layout:
     return max(options, key=lambda option: option.maps[0].width)
 
 
+def charts_alone(charts: int, width: float, head: float) -> Layout:
+    """Charts one below the other, in a picture without a map."""
+    height = charts * (CHART_HEIGHT + GAP) - GAP
+    boxes = _stacked(Box(MARGIN, MARGIN + head, width - 2 * MARGIN, height), charts)
+    return Layout(width, head + height + 2 * MARGIN, (), boxes, 0.0)
+
+
 def _arranged(wanted: Wanted, most: tuple[float, float], columns: int, *, beside: bool) -> Layout:
     rows = -(-wanted.maps // columns)
     left = top = MARGIN

@@ -11,7 +11,7 @@ from vdoor.errors import VdoorError
 from vdoor.history import History
 from vdoor.viz.marks.kinds import Chart
 from vdoor.viz.picture.chart import draw_chart
-from vdoor.viz.picture.layout import LEAST_PICTURE, LEAST_WIDTH, MARGIN, Layout, Wanted, laid_out
+from vdoor.viz.picture.layout import LEAST_PICTURE, LEAST_WIDTH, MARGIN, Layout, Wanted, charts_alone, laid_out
 from vdoor.viz.picture.plan import BAR_PX, Window, draw_plan, entries
 from vdoor.viz.picture.sheet import LINE_PX, Sheet, folded, lines_of
 from vdoor.viz.picture.views import Plan, View, tabs_in, view_of_tab
@@ -46,7 +46,8 @@ def picture_of(view: View, window: Window, size: tuple[int, int] = SIZE) -> byte
     with style.context("default"):  # whatever the user's own settings of matplotlib are
         layout = _layout(view, plans, len(charts), window, size)
         sheet = Sheet(layout.width, layout.height)
-        _write_heading(sheet, view)
+        if view.sentence:
+            _write_heading(sheet, view)
         for plan, box in zip(plans, layout.maps, strict=True):
             if plan.title:
                 sheet.write(box.left, box.top - LINE_PX / 2, plan.title, size_px=TEXT_PX, fontweight="bold")
@@ -59,6 +60,8 @@ def picture_of(view: View, window: Window, size: tuple[int, int] = SIZE) -> byte
 
 def _layout(view: View, plans: Sequence[Plan], charts: int, window: Window, size: tuple[int, int]) -> Layout:
     """The layout, found twice: legends and heading need fewer lines where they have more room than the least."""
+    if not plans:
+        return charts_alone(charts, size[0], _head_px(view, size[0]))
     across, width = LEAST_WIDTH, LEAST_PICTURE
     for _ in range(2):
         lines = max(lines_of(entries(plan.marks), across) for plan in plans)
@@ -80,6 +83,8 @@ def _sentence(view: View, width: float) -> list[str]:
 
 
 def _head_px(view: View, width: float) -> float:
+    if not view.sentence:
+        return 0.0
     return TITLE_PX + 12 + len(_sentence(view, width)) * LINE_PX + 8
 
 
