@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-
-if TYPE_CHECKING:
-    from vdoor.method.search.problem import MergeProblem
 
 Lists = list[list[int]]
 
@@ -28,23 +25,6 @@ class Adjacency(NamedTuple):
     """The edges that border each node; likewise none."""
     conflicts: Lists
     """The edges in conflict with each edge."""
-
-    @classmethod
-    def of(cls, problem: MergeProblem) -> Adjacency:
-        """The lists of a problem."""
-        nodes, edges = len(problem.cells), problem.edges
-        count = np.diff(np.append(problem.cover_start, len(problem.cover_edge)))
-        covers = np.stack([problem.cover_edge, problem.regions + np.repeat(np.arange(len(count)), count)])
-        border = np.stack([problem.border_edge, problem.border_region])
-        border = border if problem.cost.counts_separating else border[:, :0]
-        return cls(
-            neighbours=grouped(both_ways(np.stack(problem.links)), nodes),
-            nodes_of=grouped(covers, edges),
-            covers=covers,
-            regions_of=grouped(border, edges),
-            edges_of=grouped(border[::-1], nodes),
-            conflicts=grouped(both_ways(problem.conflicts), edges),
-        )
 
 
 def grouped(pairs: NDArray[np.integer], count: int) -> Lists:

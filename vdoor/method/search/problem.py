@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from vdoor.method.initial_map import InitialMap
 from vdoor.method.scoring.score import DoorScores
-from vdoor.method.search.adjacency import Adjacency
+from vdoor.method.search.adjacency import Adjacency, both_ways, grouped
 from vdoor.method.search.costs import Cost, Costs, Term, Totals
 from vdoor.raster.components import components
 
@@ -68,7 +68,18 @@ class MergeProblem:
     @cached_property
     def adjacency(self) -> Adjacency:
         """What lies beside each node and edge."""
-        return Adjacency.of(self)
+        nodes, count = len(self.cells), np.diff(np.append(self.cover_start, len(self.cover_edge)))
+        covers = np.stack([self.cover_edge, self.regions + np.repeat(np.arange(len(count)), count)])
+        border = np.stack([self.border_edge, self.border_region])
+        border = border if self.cost.counts_separating else border[:, :0]
+        return Adjacency(
+            neighbours=grouped(both_ways(np.stack(self.links)), nodes),
+            nodes_of=grouped(covers, self.edges),
+            covers=covers,
+            regions_of=grouped(border, self.edges),
+            edges_of=grouped(border[::-1], nodes),
+            conflicts=grouped(both_ways(self.conflicts), self.edges),
+        )
 
     def open_nodes(self, removed: Bits) -> Bits:
         """Which nodes (p, nodes) are open in each choice (p, edges): regions, and bundles with all doors removed."""
