@@ -14,7 +14,9 @@ from vdoor.record import Record
 from vdoor.recording import about, codec
 from vdoor.recording.about import Attached
 from vdoor.recording.check import Emits, lost, wanted
-from vdoor.recording.mcap import METADATA, McapSink, Topics, decoded, find, naming, step_of
+from vdoor.recording.foreign import METADATA, foreign, is_own, refuse_foreign
+from vdoor.recording.mcap import McapSink, Topics, decoded, find, step_of
+from vdoor.recording.naming import naming
 from vdoor.recording.salvage import salvage
 
 
@@ -33,11 +35,14 @@ class Recovery:
 def recover(path: Path, out: Path, *, types: Sequence[type[Record]], emits: Emits | None = None) -> Recovery:
     """Write the intact records, of `types`, of the recording at `path` to a new recording `out`.
 
-    Raises `RecordingError` if `path` cannot be read or has another schema, or if `out` cannot be written; no file is
-    left behind then.
+    Raises `RecordingError` if `path` cannot be read, is of another kind or program, or has another schema, or if `out`
+    cannot be written; no file is left behind then.
     """
+    with naming(path):
+        refuse_foreign(path)
     contents = _Contents(path)
     with naming(path):
+        contents.refuse_foreign()
         info, damage = about.salvaged(contents.text, contents.attachments)
     partial, steps = partial_name(out), list[tuple[int, str]]()
     while partial.exists():  # probably the file to recover
@@ -78,6 +83,12 @@ class _Contents:
             else:
                 for item in found:
                     self._take(item)
+
+    def refuse_foreign(self) -> None:
+        """Raise `RecordingError` if all that is left are topics of other programs."""
+        topics = self._topics.names
+        if topics and self.text is None and not any(map(is_own, topics)):
+            raise RecordingError(foreign(topics))
 
     def damage(self) -> Iterator[str]:
         """Losses other than the run's metadata and source files, one line each."""
