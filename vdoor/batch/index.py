@@ -14,7 +14,7 @@ import numpy as np
 
 from vdoor.batch.job import Outcome
 from vdoor.evaluate.label_files import read_labels
-from vdoor.files import write_whole
+from vdoor.partial import write_whole
 from vdoor.results.writing import png
 
 SIDE = 240

@@ -150,8 +150,8 @@ class _Editor:
 
     def _keep(self, edit: Edit, after: TopologicalMap) -> None:
         """Append the edit to those that the result was made with, and write the edited map into the folder."""
-        from vdoor.editing.edits import append_edits, read_edits
-        from vdoor.files import write_whole
+        from vdoor.editing.edits import appended, read_edits
+        from vdoor.partial import together
         from vdoor.results.writing import rewritten
 
         before = list(self._older.edits)
@@ -160,9 +160,10 @@ class _Editor:
         stored = read_edits(self.file) if self.file.exists() else before
         if stored != before:
             say(f"note: the result was made with other edits than those in this file: {self.file}")
-        append_edits(self.file, [edit] if self.file.exists() else [*before, edit])
-        for path, content in files:
-            write_whole(path, content)
+        text = appended(self.file, [edit] if self.file.exists() else [*before, edit])
+        with together() as staged:
+            for path, content in [*files, (self.file, text)]:
+                staged.add(path, content)
         say(f"edits are stored in {self.file}; `vdoor run MAP --edits {self.file}` applies them again")
 
 

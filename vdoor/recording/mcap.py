@@ -11,7 +11,7 @@ import struct
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,7 +47,8 @@ class McapSink:
     written.
     """
 
-    def __init__(self, path: Path, info: RunInfo) -> None:
+    def __init__(self, path: Path, info: RunInfo, stream: BinaryIO | None = None) -> None:
+        """Record in `stream`, a new file at `path` without it; the stream is closed with the sink."""
         from mcap.writer import Writer  # noqa: PLC0415  # only recordings need it
 
         self.path = path
@@ -57,7 +58,7 @@ class McapSink:
         self._files = info.source.files
         """Files of the map that have not been written yet."""
         with _naming_unwritable(path):
-            self._stream = path.open("wb")
+            self._stream = stream or path.open("wb")
         self._writer = Writer(self._stream, enable_data_crcs=True)
         with self._writing():
             self._writer.start(profile="ros2")

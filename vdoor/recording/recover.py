@@ -10,6 +10,7 @@ from typing import Any
 
 from vdoor.errors import RecordingError
 from vdoor.files import partial_name
+from vdoor.partial import Partial
 from vdoor.record import Record
 from vdoor.recording import about, codec
 from vdoor.recording.about import Attached
@@ -44,21 +45,21 @@ def recover(path: Path, out: Path, *, types: Sequence[type[Record]], emits: Emit
     with naming(path):
         contents.refuse_foreign()
         info, damage = about.salvaged(contents.text, contents.attachments)
-    partial, steps = partial_name(out), list[tuple[int, str]]()
-    while partial.exists():  # probably the file to recover
-        partial = partial_name(partial)
+    name, steps = partial_name(out), list[tuple[int, str]]()
+    if name.exists() and name.samefile(path):
+        name = partial_name(name)
+    partial = Partial(out, name=name)
     sink: McapSink | None = None
     try:
         for step, record in contents.records({record.topic: record for record in types}):
-            sink = sink or McapSink(partial, info)
+            sink = sink or McapSink(partial.name, info, partial.stream())
             sink.write(step, record)
             steps.append((step, record.topic))
         if sink is not None:
             sink.close()
-            partial.replace(out)
-    except BaseException:
-        partial.unlink(missing_ok=True)
-        raise
+            partial.give_name()
+    finally:
+        partial.remove()
     missing = lost(steps, wanted(info, steps, types=types, emits=emits))
     return Recovery(
         records=dict(Counter(topic for _, topic in steps)),

@@ -17,9 +17,10 @@ from PIL import Image
 
 from vdoor.emit import RunInfo
 from vdoor.errors import VdoorError
-from vdoor.files import make_folder, write_whole
+from vdoor.files import partial_name
 from vdoor.formats import read_annotations
 from vdoor.grid import OccupancyGrid, Source
+from vdoor.partial import together
 from vdoor.results.annotations import table_of
 from vdoor.topology import Door, Room, TopologicalMap
 
@@ -31,17 +32,44 @@ GREY_OCCUPIED, GREY_UNKNOWN, GREY_FREE = 0, 205, 254
 
 
 def write_result(folder: Path, grid: OccupancyGrid, topology: TopologicalMap, document: Mapping[str, Any]) -> None:
-    """Write the four files into `folder`, created if missing; each file appears once it is complete."""
+    """Write the four files into `folder`, created if missing; they get their names together."""
+    with together() as staged:
+        for path, content in result_files(folder, grid, topology, document):
+            staged.add(path, content)
+
+
+def result_files(
+    folder: Path, grid: OccupancyGrid, topology: TopologicalMap, document: Mapping[str, Any]
+) -> list[tuple[Path, bytes]]:
+    """The files of a result and their contents, map.json first, which holds the checksums of the others.
+
+    Once map.json has its name, a reader takes the others under whichever name they have, so that a result is never
+    made of two, even if the process is killed while it names them.
+    """
     refuse_high_ids(folder, topology)
-    contents = (
-        png(topology.labels.astype(np.uint16)),
-        map_server_yaml(grid, "rooms.png"),
-        png(greys(grid)),
-        (json.dumps(document, indent=1, allow_nan=False) + "\n").encode(),
-    )
-    make_folder(folder)
-    for name, content in zip(NAMES, contents, strict=True):
-        write_whole(folder / name, content)
+    others = {
+        "rooms.png": png(topology.labels.astype(np.uint16)),
+        "rooms.yaml": map_server_yaml(grid, "rooms.png"),
+        "grid.png": png(greys(grid)),
+    }
+    sums = {name: hashlib.sha256(content).hexdigest() for name, content in others.items()}
+    text = json.dumps({**document, "files": sums}, indent=1, allow_nan=False) + "\n"
+    return [(folder / "map.json", text.encode()), *((folder / name, content) for name, content in others.items())]
+
+
+def file_in(folder: Path, name: str, document: Mapping[str, Any]) -> Path:
+    """Where a file of a result is: under its own name, or, if a run was killed as it named its files, the partial one.
+
+    Raises VdoorError if neither is the one that map.json was written with. Older results have no checksums.
+    """
+    path, sums = folder / name, document.get("files")
+    wanted = sums.get(name) if isinstance(sums, Mapping) else None
+    if wanted is None:
+        return path
+    for place in (path, partial_name(path)):
+        if place.is_file() and hashlib.sha256(place.read_bytes()).hexdigest() == wanted:
+            return place
+    raise VdoorError(f"{name}: wanted the file that map.json was written with, found another: {folder}")
 
 
 def refuse_high_ids(folder: Path, topology: TopologicalMap) -> None:
@@ -58,13 +86,16 @@ def rewritten(folder: Path, topology: TopologicalMap, edits: Sequence[str]) -> l
     """
     refuse_high_ids(folder, topology)
     document = json.loads((folder / "map.json").read_text(encoding="utf-8"))
+    labels = png(topology.labels.astype(np.uint16))
     document |= _graph(topology)
+    if "files" in document:
+        document["files"]["rooms.png"] = hashlib.sha256(labels).hexdigest()
     document["settings"]["edit"] = document["settings"].get("edit", {}) | {"edits": list(edits)}
     try:
         text = json.dumps(document, indent=1, allow_nan=False) + "\n"
     except ValueError as error:  # such as NaN, which Python reads although it is not valid JSON
         raise VdoorError(f"map.json: wanted finite numbers, found others: {folder}") from error
-    return [(folder / "rooms.png", png(topology.labels.astype(np.uint16))), (folder / "map.json", text.encode())]
+    return [(folder / "map.json", text.encode()), (folder / "rooms.png", labels)]
 
 
 def document_of(topology: TopologicalMap, info: RunInfo, timings_s: Mapping[str, float]) -> dict[str, Any]:
