@@ -85,11 +85,14 @@ class Staged:
         self.parts: list[Partial] = []
         self._folders: list[Path] = []
 
+    def make_folder(self, path: Path) -> None:
+        """Create a folder for files if it is missing; raises VdoorError if that fails."""
+        if not path.exists():
+            self._folders.append(path)
+        make_folder(path)
+
     def add(self, path: Path, content: bytes, *, force: bool = True) -> None:
-        """Write a file under its partial name, its folder created if missing; raises VdoorError if that fails."""
-        if not path.parent.exists():
-            make_folder(path.parent)
-            self._folders.append(path.parent)
+        """Write a file under its partial name; raises VdoorError if that fails."""
         self.parts.append(Partial(path, force=force))
         self.parts[-1].fill(content)
 

@@ -126,6 +126,7 @@ def run(
         topology = named_by_robot(topology, annotations)
         document = writing.document_of(topology, info, watch.cpu_s) | ({"match": found.document()} if found else {})
         if out:
+            recording.staged.make_folder(out)
             for path, content in writing.result_files(out, grid, topology, document):
                 recording.staged.add(path, content, force=force)
             for path, content in edit_files(out, pipeline.edit.edits, quiet=quiet):
@@ -157,6 +158,9 @@ def _refuse_outputs(written: Sequence[Path], folder: Path | None, reads: Sequenc
     refuse_existing(written, force=force, reads=reads)
     if folder:
         refuse_folder(folder)
+    for path in written:
+        if not path.parent.is_dir() and path.parent != folder:
+            raise SettingError(f"output: wanted an existing folder for it, found none: {path}")
 
 
 def _refuse_sources(written: Sequence[Path], map_file: Path, grid: OccupancyGrid) -> None:

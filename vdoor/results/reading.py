@@ -28,7 +28,7 @@ from vdoor.record import TEXT
 from vdoor.recording.mcap import read_recording
 from vdoor.results.annotations import read_table as annotations_in
 from vdoor.results.segments import named_by_robot
-from vdoor.results.writing import GREY_FREE, GREY_OCCUPIED, NAMES, SCHEMA, file_in
+from vdoor.results.writing import GREY_FREE, GREY_OCCUPIED, NAMES, SCHEMA, file_in, refuse_others
 from vdoor.topology import KINDS, Door, TopologicalMap, signed_area_m2
 
 Ints = NDArray[np.int32]
@@ -105,6 +105,7 @@ def read_result(folder: Path, *, provenance: bool = False) -> Finished:
         names = {table["id"]: _text(table.get("name", "")) for table in document["rooms"]}
         topology = _assembled(labels, _frame(document, labels.shape), doors, features, names)
         _refuse_parts(topology)
+        refuse_others(folder, ["rooms.png"], document)
         table = document.get("annotations")
         annotations = annotations_in(table, (labels.shape[0], labels.shape[1])) if table else None
         origin = _provenance(folder, document, topology.frame) if provenance else None

@@ -31,17 +31,18 @@ MOST_ROOMS = 65_535
 GREY_OCCUPIED, GREY_UNKNOWN, GREY_FREE = 0, 205, 254
 
 
-def write_result(folder: Path, grid: OccupancyGrid, topology: TopologicalMap, document: Mapping[str, Any]) -> None:
+def write_result(folder: Path, grid: OccupancyGrid, topology: TopologicalMap, document: dict[str, Any]) -> None:
     """Write the four files into `folder`, created if missing; they get their names together."""
     with together() as staged:
+        staged.make_folder(folder)
         for path, content in result_files(folder, grid, topology, document):
             staged.add(path, content)
 
 
 def result_files(
-    folder: Path, grid: OccupancyGrid, topology: TopologicalMap, document: Mapping[str, Any]
+    folder: Path, grid: OccupancyGrid, topology: TopologicalMap, document: dict[str, Any]
 ) -> list[tuple[Path, bytes]]:
-    """The files of a result and their contents, map.json first, which holds the checksums of the others.
+    """The files of a result and their contents, map.json first; the document is given the checksums of the others.
 
     Once map.json has its name, a reader takes the others under whichever name they have, so that a result is never
     made of two, even if the process is killed while it names them.
@@ -52,24 +53,32 @@ def result_files(
         "rooms.yaml": map_server_yaml(grid, "rooms.png"),
         "grid.png": png(greys(grid)),
     }
-    sums = {name: hashlib.sha256(content).hexdigest() for name, content in others.items()}
-    text = json.dumps({**document, "files": sums}, indent=1, allow_nan=False) + "\n"
+    document["files"] = {name: hashlib.sha256(content).hexdigest() for name, content in others.items()}
+    text = json.dumps(document, indent=1, allow_nan=False) + "\n"
     return [(folder / "map.json", text.encode()), *((folder / name, content) for name, content in others.items())]
 
 
 def file_in(folder: Path, name: str, document: Mapping[str, Any]) -> Path:
     """Where a file of a result is: under its own name, or, if a run was killed as it named its files, the partial one.
 
-    Raises VdoorError if neither is the one that map.json was written with. Older results have no checksums.
+    If neither is the one that map.json was written with, or map.json is of a version without checksums, the former.
     """
-    path, sums = folder / name, document.get("files")
+    path = folder / name
+    return next((place for place in (path, partial_name(path)) if _is_own(place, name, document)), path)
+
+
+def refuse_others(folder: Path, names: Sequence[str], document: Mapping[str, Any]) -> None:
+    """Raise VdoorError if one of a result's files is not the one that map.json was written with."""
+    for name in names:
+        if not _is_own(file_in(folder, name, document), name, document):
+            raise VdoorError(f"{name}: wanted the file that map.json was written with, found another")
+
+
+def _is_own(place: Path, name: str, document: Mapping[str, Any]) -> bool:
+    """Whether a file is the one that map.json was written with; true as well if that has no checksum of it."""
+    sums = document.get("files")
     wanted = sums.get(name) if isinstance(sums, Mapping) else None
-    if wanted is None:
-        return path
-    for place in (path, partial_name(path)):
-        if place.is_file() and hashlib.sha256(place.read_bytes()).hexdigest() == wanted:
-            return place
-    raise VdoorError(f"{name}: wanted the file that map.json was written with, found another: {folder}")
+    return place.is_file() and wanted in (None, hashlib.sha256(place.read_bytes()).hexdigest())
 
 
 def refuse_high_ids(folder: Path, topology: TopologicalMap) -> None:
