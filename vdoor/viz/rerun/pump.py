@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import array
+import contextlib
 import fcntl
 import os
 import select
@@ -55,6 +56,8 @@ class Pump:
         else:
             os.close(self._read)
         self._keep(self._file.close)
+        with contextlib.suppress(OSError):  # what could not be written cannot be written now either
+            self._file.close()
         if self._error is not None:
             raise self._error
 
