@@ -203,7 +203,7 @@ def test_ids_and_names_agree_over_all_exports() -> None:
     assert "Bad \\u0026 " in report or "Bad & \\u003cK" in report
     route = json.loads(export.to_nav2_route(topology))["features"]
     about = [each["properties"]["metadata"] for each in route if each["geometry"]["type"] == "Point"]
-    assert {each["room"]: each["name"] for each in about if each["kind"] == "room"} == names
+    assert {each["room"]: each["name"] for each in about if each["class"] == "room"} == names
     assert len(json.loads(export.to_virtual_walls(topology, [300]))["virtualWalls"]) == 2
 
 

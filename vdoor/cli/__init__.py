@@ -14,9 +14,11 @@ from vdoor import __version__
 from vdoor.cli import (
     batch,
     cover,
+    edit_page,
     edits,
     evaluate,
     export,
+    nav2,
     navigate,
     paper,
     recordings,
@@ -41,7 +43,7 @@ app = typer.Typer(
 
 COMMANDS = (
     ("run", run.run, "vdoor run map.yaml --save out.rrd --mcap out.mcap --out result/"),
-    ("batch", batch.batch, "vdoor batch maps/ more.yaml --out results/ -j 2"),
+    ("batch", batch.batch, "vdoor batch maps/ 'more/*.yaml' --out results/ -j 2; vdoor batch report results/"),
     ("config", run.config, "vdoor config --preset paper > my.toml; vdoor run map.pgm --config my.toml"),
     ("show", terminal.show, "vdoor show out.mcap --stage doors"),
     ("step", terminal.step, "vdoor step out.mcap"),
@@ -55,6 +57,7 @@ COMMANDS = (
     ("check", recordings.check, "vdoor check out.mcap"),
     ("recover", recordings.recover, "vdoor recover out.mcap.partial -o out.mcap"),
     ("export", export.export, "vdoor export result/ --to nav2-route -o route.geojson"),
+    ("nav2", nav2.nav2, "vdoor nav2 result/ --out nav2/ --slow Kitchen=50"),
     ("valetudo", valetudo.valetudo, "vdoor valetudo result/ --clean Kitchen --clean 3"),
     ("rooms", rooms.rooms, "vdoor rooms result/"),
     ("room-at", rooms.room_at, "vdoor room-at 3.2,-4.1 out.mcap"),
@@ -65,6 +68,7 @@ COMMANDS = (
         "vdoor cover result/ --return --export csv=path.csv; vdoor cover map.yaml --room 3 --save out.rrd",
     ),
     ("order", navigate.order, "vdoor order result/ --start Hall --return"),
+    ("edit", edit_page.edit, "vdoor edit result/"),
     ("rename", edits.rename, "vdoor rename result/ 3 Kitchen"),
     ("split", edits.split, "vdoor split result/ 1.2,3.4 1.2,8.0"),
     ("merge", edits.merge, "vdoor merge result/ 2 5"),

@@ -10,8 +10,8 @@ GROUPS = {
     "run and look": ("run", "batch", "rooms", "room-at", "show", "view", "shot", "config"),
     "debug": ("why", "step", "replay", "diff", "verify", "info", "check", "recover"),
     "drive": ("route", "cover", "order"),
-    "edit": ("rename", "merge", "split", "door"),
-    "export": ("export", "valetudo"),
+    "edit": ("edit", "rename", "merge", "split", "door"),
+    "export": ("export", "nav2", "valetudo"),
     "measure": (
         "evaluate",
         "ablate",

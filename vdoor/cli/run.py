@@ -127,8 +127,8 @@ def run(
         document = writing.document_of(topology, info, watch.cpu_s) | ({"match": found.document()} if found else {})
         if out:
             recording.staged.make_folder(out)
-            for path, content in writing.result_files(out, grid, topology, document):
-                recording.staged.add(path, content, force=force)
+            for name, content in writing.contents_of(out, grid, topology, document):
+                recording.staged.add(out / name, content, force=force)
             for path, content in edit_files(out, pipeline.edit.edits, quiet=quiet):
                 recording.staged.add(path, content)
         refused = exports.stage(recording.staged, topology, map_file, annotations, force=force)

@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from vdoor.pipeline import AnyPipeline
     from vdoor.record import Record
 
-EDITS = "edits.toml"
 LEAST_OVERLAP = 0.5
 """Maps that share less of their rooms' area are probably not of the same place."""
 
@@ -48,6 +47,7 @@ def edit_files(folder: Path, lines: Sequence[str], *, quiet: bool) -> list[tuple
     """The files, with contents, that keep the edits of a run in its folder; other edits there get another name."""
     from vdoor.editing.edits import MOST_BYTES, appended, parse, read_edits
     from vdoor.files import read_regular
+    from vdoor.results.editor import EDITS
 
     path, before = folder / EDITS, folder / f"before.{EDITS}"
     edits = [parse(line) for line in lines]

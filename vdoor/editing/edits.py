@@ -29,6 +29,7 @@ from typing import Any, NamedTuple
 from vdoor.editing.places import Point, parse_place, place_text
 from vdoor.errors import SettingError, VdoorError
 from vdoor.files import read_regular
+from vdoor.partial import write_whole
 from vdoor.record import TEXT
 
 MOST_ID = 65_535
@@ -120,6 +121,11 @@ def _edit(kind: str, places_m: tuple[Point, ...], word: str) -> Edit:
 def read_edits(path: Path) -> list[Edit]:
     """The edits in a TOML file, in order; raises `SettingError` for the first invalid one, with the path last."""
     return [*_read(path)[1]]
+
+
+def append_edits(path: Path, edits: Sequence[Edit]) -> None:
+    """Append edits to a TOML file, created if missing; its existing text is kept."""
+    write_whole(path, appended(path, edits))
 
 
 def appended(path: Path, edits: Sequence[Edit], *, keep: bool = True) -> bytes:

@@ -35,14 +35,16 @@ def write_result(folder: Path, grid: OccupancyGrid, topology: TopologicalMap, do
     """Write the four files into `folder`, created if missing; they get their names together."""
     with together() as staged:
         staged.make_folder(folder)
-        for path, content in result_files(folder, grid, topology, document):
-            staged.add(path, content)
+        for name, content in contents_of(folder, grid, topology, document):
+            staged.add(folder / name, content)
 
 
-def result_files(
+def contents_of(
     folder: Path, grid: OccupancyGrid, topology: TopologicalMap, document: dict[str, Any]
-) -> list[tuple[Path, bytes]]:
-    """The files of a result and their contents, map.json first; the document is given the checksums of the others.
+) -> list[tuple[str, bytes]]:
+    """The four files that are to be written into `folder`, by name, map.json first.
+
+    The document is given the checksums of the others.
 
     Once map.json has its name, a reader takes the others under whichever name they have, so that a result is never
     made of two, even if the process is killed while it names them.
@@ -55,7 +57,7 @@ def result_files(
     }
     document["files"] = {name: hashlib.sha256(content).hexdigest() for name, content in others.items()}
     text = json.dumps(document, indent=1, allow_nan=False) + "\n"
-    return [(folder / "map.json", text.encode()), *((folder / name, content) for name, content in others.items())]
+    return [("map.json", text.encode()), *others.items()]
 
 
 def file_in(folder: Path, name: str, document: Mapping[str, Any]) -> Path:

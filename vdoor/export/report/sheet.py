@@ -39,15 +39,26 @@ class Layer:
     note: str = ""
 
     def add_lines(
-        self, paths: Sequence[str], colour: str, word: str, *, tips: Sequence[str] = (), wide_px: float = 1.5
+        self,
+        paths: Sequence[str],
+        colour: str,
+        word: str,
+        *,
+        tips: Sequence[str] = (),
+        doors: Sequence[int] = (),
+        wide_px: float = 1.5,
     ) -> None:
-        """Lines of one colour, each with its tip for the pointer, unless there are too many."""
+        """Lines of one colour, each with its tip for the pointer, unless there are too many.
+
+        `doors` are the numbers of the virtual doors that the lines are, if they are any.
+        """
         if not paths:
             return
         self.key.append((colour, word))
         style_of_line = {"colour": colour, "wide": wide_px}
         if tips and len(paths) <= MOST_TIPS:
-            self.shapes += [style_of_line | {"d": path, "tip": tip} for path, tip in zip(paths, tips, strict=True)]
+            lines = [style_of_line | {"d": path, "tip": tip} for path, tip in zip(paths, tips, strict=True)]
+            self.shapes += [line | {"door": door} for line, door in zip(lines, doors, strict=True)] if doors else lines
         else:
             self.shapes.append(style_of_line | {"d": "".join(paths)})
 
