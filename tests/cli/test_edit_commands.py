@@ -158,7 +158,7 @@ def test_edit_that_cannot_be_written_leaves_all_files_as_they_were(result: Path,
 @pytest.mark.parametrize(
     ("words", "code", "says"),
     [
-        (("--edits", "none.toml"), 2, "edits file: No such file"),
+        (("--edits", "none.toml"), 2, "wanted edits as TOML, found none"),
         (("--edits", "bad.toml"), 2, "edit 1: wanted do = one of"),
         (("--closed-door", "2.9,6.5"), 2, "wanted a wall of at most 1 m between free cells, found none at 2.9,6.5"),
         (("--closed-door", "a"), 2, "--closed-door: wanted X,Y, found 'a'"),
