@@ -55,14 +55,15 @@ class Outputs:
 
         Files are written under their partial names and added to `staged`.
         """
+        shown = self.save or self.connect or self.serve or self.spawn
+        if shown:
+            from vdoor.viz.rerun.sink import RerunSink  # noqa: PLC0415  # takes half a second, and may not be there
         if self.mcap is not None:
             from vdoor.recording.mcap import McapSink  # noqa: PLC0415  # only if requested
 
             file = self._file(self.mcap, staged)
             yield McapSink(file.name, info, file.stream()), file
-        if self.save or self.connect or self.serve or self.spawn:
-            from vdoor.viz.rerun.sink import RerunSink  # noqa: PLC0415  # takes half a second
-
+        if shown:
             if self.save is not None:
                 file = self._file(self.save, staged)
                 yield RerunSink.to_file(file.name, info, file.stream()), file

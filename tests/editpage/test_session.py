@@ -11,6 +11,7 @@ from edited_flat import at
 
 from vdoor.editpage.session import FILES, Session, StaleError
 from vdoor.errors import VdoorError
+from vdoor.results.writing import NAMES
 
 EDITS = (
     (("rename", "1", "Kitchen"), ("rename", "1", "Kitchen")),
@@ -106,3 +107,16 @@ def test_edit_that_is_done_already_is_no_step(session: Session) -> None:
     assert do(session, "rename", "1", "Kitchen") == "Nothing to change."
     assert contents(session.result) == before
     assert session.state()["edit"]["count"] == 1
+
+
+def test_another_map_in_the_folder_is_a_step_with_all_its_files(session: Session) -> None:
+    do(session, "rename", "1", "Kitchen")
+    before = contents(session.result)
+    finished_maps.result("one room", session.result)  # as `vdoor run --out --force` does
+    state = session.state()
+    assert ([room["name"] for room in state["rooms"]], dict(state["facts"])["rooms"]) == ([""], "1")
+    session.go(-1, seen=state["edit"]["version"])
+    assert contents(session.result) == before
+    again = session.state()
+    assert (again["rooms"][0]["name"], again["edit"]["grid"] == state["edit"]["grid"]) == ("Kitchen", False)
+    assert set(before) == {*NAMES, "edits.toml"}

@@ -9,6 +9,7 @@ import random
 import re
 from pathlib import Path
 
+import click
 import finished_maps
 import pytest
 import typer.main
@@ -16,7 +17,8 @@ from commands import Command
 from small_recording import small
 from stress import count, limited
 
-from vdoor.cli import COMMANDS, app
+from vdoor.cli import app
+from vdoor.cli.commands import COMMANDS
 
 VALUES = count(60, 10_000)
 TEXTS = (
@@ -104,7 +106,8 @@ def options() -> list[tuple[str, str]]:
     group = typer.main.get_command(app)
     found = []
     for name, _, _ in COMMANDS:
-        for parameter in group.commands[name].params:  # type: ignore[attr-defined]  # a group
+        command = group.get_command(click.Context(group), name)  # type: ignore[attr-defined]  # a group
+        for parameter in command.params:
             flags = [flag for flag in parameter.opts if flag.startswith("--")]
             if flags and not getattr(parameter, "is_flag", False) and flags[0] not in NEVER:
                 found.append((name, flags[0]))

@@ -20,11 +20,13 @@ from vdoor.export.report.document import Addition, document
 from vdoor.results.editor import ACTIONS, EDITS, RefusedError, ResultEditor
 from vdoor.results.reading import read_finished
 from vdoor.results.steps import Steps, StepsOnDisk
+from vdoor.results.writing import NAMES
+from vdoor.topology import TopologicalMap
 
 STYLES = ("edit.css",)
 SCRIPTS = ("server.js", "tools.js", "form.js", "gestures.js", "begin.js")
-FILES = ("rooms.png", "map.json", EDITS)
-"""The files that edits change."""
+FILES = (*NAMES, EDITS)
+"""The files of a result: edits change some, and another run into the folder all."""
 SENTENCES = {
     "no room there": "There is no room at this place.",
     "no door there": "There is no door within half a metre of this place.",
@@ -46,7 +48,9 @@ class Session:
         if not result.is_dir():
             wanted = "a folder from `vdoor run --out`"
             raise SettingError(f"edit: wanted {wanted}, found {'a file' if result.exists() else 'none'}: {result}")
-        read_finished(result)  # an error ends the command before anything is written
+        self._provenance = read_finished(result, provenance=True).provenance
+        self._grid: str | None = None
+        """The digest of the map that the provenance is of."""
         self.result = result
         self._disk = StepsOnDisk(result, FILES)
         self._one_at_a_time = threading.Lock()
@@ -87,7 +91,7 @@ class Session:
             if not change.files:
                 return self._state(steps) | {"said": "Nothing to change."}
             steps = self._disk.do(steps, change.said, {path.name: content for path, content in change.files})
-            return self._state(steps) | {"said": change.said}
+            return self._shown(steps, change.topology) | {"said": change.said}
 
     def go(self, by: int, *, seen: str) -> dict[str, Any]:
         """The state after undoing (-1) or redoing (1) a step."""
@@ -110,14 +114,24 @@ class Session:
         return steps
 
     def _state(self, steps: Steps) -> dict[str, Any]:
-        finished = read_finished(self.result, provenance=True)
-        refuse_not_finite(finished.topology)
-        return {**result_data(finished.topology, finished.provenance), "edit": self._about(steps)}
+        return self._shown(steps, read_finished(self.result).topology)
+
+    def _shown(self, steps: Steps, topology: TopologicalMap) -> dict[str, Any]:
+        refuse_not_finite(topology)
+        if self._grid != (now := steps.now.files["grid.png"]):
+            self._provenance, self._grid = read_finished(self.result, provenance=True).provenance, now
+        return {**result_data(topology, self._provenance), "edit": self._about(steps)}
 
     def _about(self, steps: Steps) -> dict[str, Any]:
         file = self.result / EDITS
         edits = [str(edit) for edit in read_edits(file)] if file.exists() else []
-        about = {"version": _version(steps), "undo": steps.undoes, "redo": steps.redoes, "file": str(file)}
+        about = {
+            "version": _version(steps),
+            "grid": steps.now.files["grid.png"],
+            "undo": steps.undoes,
+            "redo": steps.redoes,
+            "file": str(file),
+        }
         return about | {"edits": edits[-MOST_LISTED:], "count": len(edits)}
 
 

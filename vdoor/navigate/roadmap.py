@@ -14,8 +14,8 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy import ndimage
 
 from vdoor.grid import Annotations
 from vdoor.navigate.blocked import ruled_out
@@ -84,7 +84,7 @@ def roadmap_of(topology: TopologicalMap, annotations: Annotations | None = None,
     if annotations is not None:
         blocked |= ruled_out(topology.frame, annotations, mops=False)
     space = Space.of(blocked, topology.frame, clearance_m)
-    boxes = ndimage.find_objects(topology.labels)
+    boxes = scipy.ndimage.find_objects(topology.labels)
     places = door_places(topology, space)
     found = Roadmap()
     for room in topology.room_ids:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy import ndimage
 
 from vdoor.errors import VdoorError
 from vdoor.navigate.blocked import door_contacts
@@ -55,7 +55,7 @@ def door_places(topology: TopologicalMap, space: Space) -> list[DoorPlace]:
     """
     place, owner = door_contacts(topology)
     room = np.stack([topology.labels[tuple(end(place).astype(np.intp).T)] for end in (np.floor, np.ceil)], axis=1)
-    free_cells = ndimage.distance_transform_edt(np.pad(~space.blocked, 1))[1:-1, 1:-1]
+    free_cells = scipy.ndimage.distance_transform_edt(np.pad(~space.blocked, 1))[1:-1, 1:-1]
     mains, further = [], []
     for row, door in enumerate(topology.doors):
         own = np.flatnonzero(owner == row)

@@ -9,8 +9,8 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy import ndimage
 
 from vdoor.frame import Frame
 from vdoor.navigate.sight import Sight, least_clearance
@@ -76,7 +76,7 @@ class Floor:
 
     def without_pockets(self, seeds: Sequence[Point]) -> Floor:
         """The floor whose allowed cells are those in pieces of some size, and in those that hold a seed."""
-        label, count = ndimage.label(self.allowed, np.ones((3, 3)))
+        label, count = scipy.ndimage.label(self.allowed, np.ones((3, 3)))
         kept = np.bincount(label.ravel(), minlength=count + 1) >= POCKET_M2 / self.frame.resolution_m**2
         for seed in seeds:
             kept[label[cell_of(seed)]] = True
@@ -95,7 +95,7 @@ class Floor:
     @cached_property
     def clearance(self) -> Floats:
         """The distance (h, w) in cells from each cell's centre to the nearest blocked one, or to the map's edge."""
-        inside: Floats = ndimage.distance_transform_edt(np.pad(~self.blocked, 1))
+        inside: Floats = scipy.ndimage.distance_transform_edt(np.pad(~self.blocked, 1))
         return inside[1:-1, 1:-1] - 0.5
 
     @cached_property

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.sparse import csr_array
-from scipy.sparse.csgraph import dijkstra
 
 from vdoor.navigate.roadmap_floor import Floor, cell_of
 from vdoor.raster.components import components
@@ -32,7 +31,7 @@ def narrow_ways(floor: Floor, part: NDArray[np.intp], stuck: list[Point]) -> lis
     first = int(part.max(initial=-1)) + 1
     for more, node in enumerate(at_cell):
         known[node] = first + more
-    spent, before, source = dijkstra(
+    spent, before, source = scipy.sparse.csgraph.dijkstra(
         steps, directed=False, indices=np.flatnonzero(known >= 0), min_only=True, return_predecessors=True
     )
     reached = np.where(source >= 0, known[source], -1)
@@ -47,7 +46,7 @@ def narrow_ways(floor: Floor, part: NDArray[np.intp], stuck: list[Point]) -> lis
     return ways + [[place, at_cell[int(number[cell_of(place)])]] for place in twice]
 
 
-def _weighted(floor: Floor, steps: csr_array) -> csr_array:
+def _weighted(floor: Floor, steps: scipy.sparse.csr_array) -> scipy.sparse.csr_array:
     """The steps with costs for lengths: more where they come near to what is blocked."""
     asked = floor.clear.radius_m / floor.frame.resolution_m
     weight = np.maximum(asked / np.maximum(floor.clearance[floor.own], 0.5), 1.0) ** STEEP
@@ -56,7 +55,7 @@ def _weighted(floor: Floor, steps: csr_array) -> csr_array:
     return pairs.tocsr()
 
 
-def _joints(steps: csr_array, spent: Floats, part: NDArray[np.intp]) -> list[tuple[int, int]]:
+def _joints(steps: scipy.sparse.csr_array, spent: Floats, part: NDArray[np.intp]) -> list[tuple[int, int]]:
     """Pairs of neighbouring cells in which ways from two parts meet, so that all parts are joined at the least cost."""
     pairs = steps.tocoo()
     cost = spent[pairs.row] + pairs.data + spent[pairs.col]

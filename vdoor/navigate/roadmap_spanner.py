@@ -8,8 +8,8 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 Ints = NDArray[np.int64]
 Floats = NDArray[np.float64]
@@ -27,7 +27,7 @@ class Ways(NamedTuple):
 
 def straight_ways(points: Floats, most: float, sees: Callable[[Ints, Ints], Mask]) -> Ways:
     """The ways between nodes (n, 2) up to a length; `sees` says of pairs (k,) of them whether one sees the other."""
-    ends = cKDTree(points).query_pairs(most, output_type="ndarray").astype(np.int64)
+    ends = scipy.spatial.cKDTree(points).query_pairs(most, output_type="ndarray").astype(np.int64)
     ends = ends[np.lexsort(ends.T[::-1])]
     ends = ends[sees(ends[:, 0], ends[:, 1])]
     return Ways(ends, np.hypot(*(points[ends[:, 0]] - points[ends[:, 1]]).T))

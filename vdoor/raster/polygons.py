@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
+import scipy
+import skimage
 from numpy.typing import NDArray
-from scipy import ndimage
-from skimage.measure import label as label_cells
 
 from vdoor.raster.contours import CRACK_START, Contours, follow
 from vdoor.raster.runs import runs_of
@@ -18,7 +18,7 @@ def centres(label: Ints, count: int) -> Ints:
     mean = runs_of(label).means(count)
     centre = np.rint(mean).astype(np.int32)
     elsewhere = label[centre[:, 0], centre[:, 1]] != np.arange(1, count + 1)
-    boxes = ndimage.find_objects(label, max_label=count) if elsewhere.any() else []
+    boxes = scipy.ndimage.find_objects(label, max_label=count) if elsewhere.any() else []
     for region in np.flatnonzero(elsewhere):
         box = boxes[region]
         own = np.argwhere(label[box] == region + 1) + [side.start for side in box]
@@ -36,7 +36,7 @@ def polygons(label: Ints) -> tuple[Ints, Ints, Ints]:
     contours = follow(label, cross_corners=True)
     part = label
     if _in_parts(contours, label):
-        part = np.asarray(label_cells(label, connectivity=1), np.int32)  # type: ignore[no-untyped-call]
+        part = np.asarray(skimage.measure.label(label, connectivity=1), np.int32)  # type: ignore[no-untyped-call]
         contours = follow(part, cross_corners=True)
     bends, corner = _bends(contours)
     at = contours.cell[contours.first].T

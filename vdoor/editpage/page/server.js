@@ -19,11 +19,12 @@ function showSaved() {
 }
 
 function showState(state) {
+  if (state.edit.grid !== data.edit.grid) return location.reload(); // another map was run into the folder
   for (const part of ["facts", "rooms", "doors", "edit"]) data[part] = state[part];
   showResult();
   fitLabels();
   showSaved();
-  showForm();
+  return showForm();
 }
 
 /* A sentence on what cannot be done, beside the place where it was wanted, if there is one */
@@ -50,6 +51,7 @@ async function ask(name, body, at) {
   if (asking) return false;
   asking = true;
   group("place-note").hidden = true;
+  const slow = setTimeout(() => say("Working …"), 400); // a map of a thousand rooms takes a while
   try {
     const told = await post(name, body);
     if (told.rooms) showState(told);
@@ -60,6 +62,7 @@ async function ask(name, body, at) {
     complain("The page's server does not answer. Edits up to now are saved; start `vdoor edit` again.", at);
     return false;
   } finally {
+    clearTimeout(slow);
     asking = false;
   }
 }

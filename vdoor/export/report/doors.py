@@ -36,7 +36,7 @@ class Tip(NamedTuple):
 
 def door_tips(topology: TopologicalMap, provenance: Provenance | None) -> dict[int, Tip]:
     """Tips by the ids of doors; none for doors that were not virtual doors, and for runs that are not known."""
-    run = _history(provenance)
+    run = _history(topology, provenance)
     if run is None or not run.has(InitialMap):
         return {}
     edges = np.where(topology.edge < len(run.initial.door), topology.edge, -1).tolist()
@@ -44,18 +44,18 @@ def door_tips(topology: TopologicalMap, provenance: Provenance | None) -> dict[i
     return {door: Tip(candidate, tuple(_score_lines(run, candidate))) for door, candidate in candidates.items()}
 
 
-def lives_of(provenance: Provenance | None) -> dict[int, list[str]]:
+def lives_of(topology: TopologicalMap, provenance: Provenance | None) -> dict[int, list[str]]:
     """The lives of virtual doors by their numbers: the decision of each stage, as `vdoor why` tells it.
 
     If there are too many, those of the doors that went furthest are told.
     """
-    run = _history(provenance)
+    run = _history(topology, provenance)
     if run is None or not run.has(Corners):
         return {}
     return {door: _life(run, door) for door in _furthest_first(run)[:MOST_LIVES].tolist()}
 
 
-def _history(provenance: Provenance | None) -> History | None:
+def _history(topology: TopologicalMap, provenance: Provenance | None) -> History | None:
     """The run of the method with its virtual doors; None if they are not known or its settings are invalid."""
     if provenance is None or provenance.info is None or not provenance.run.has(VirtualDoors):
         return None
@@ -63,11 +63,13 @@ def _history(provenance: Provenance | None) -> History | None:
         method = recorded(provenance.info)
     except SettingError:
         return None
-    return (
-        History(**vars(provenance.run), file=Path(provenance.name), info=provenance.info, method=method)
-        if isinstance(method, Pipeline)
-        else None
-    )
+    if not isinstance(method, Pipeline):
+        return None
+    run = provenance.run
+    records = {**run.records, topology.topic: topology}
+    steps = {**run.steps, topology.topic: 0}
+    file = Path(provenance.name)
+    return History(records=records, steps=steps, search=run.search, file=file, info=provenance.info, method=method)
 
 
 def _furthest_first(run: History) -> NDArray[np.intp]:

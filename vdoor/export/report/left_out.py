@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy import ndimage
 
 from vdoor.export.report.sheet import Layer, Sheet, colour_text
 from vdoor.grid import OccupancyGrid
@@ -89,9 +89,9 @@ def _places(lost: NDArray[np.bool_], provenance: Provenance, area_m2: float) -> 
     codes = _reasons(provenance.run, lost)
     least_m2 = _least_part_m2(provenance)
     for code in np.unique(codes[lost]).tolist():
-        labels, count = ndimage.label(lost & (codes == code), np.ones((3, 3)))
+        labels, count = scipy.ndimage.label(lost & (codes == code), np.ones((3, 3)))
         cells = np.bincount(labels.ravel(), minlength=count + 1)
-        boxes = ndimage.find_objects(labels)
+        boxes = scipy.ndimage.find_objects(labels)
         for number in np.flatnonzero(cells[1:] * area_m2 >= LEAST_M2).tolist():
             size = int(cells[number + 1])
             word = "" if code < 0 else REASONS[code]

@@ -9,9 +9,9 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+import skimage
 from numpy.typing import NDArray
 from PIL import Image
-from skimage.measure import block_reduce
 
 from vdoor.frame import Frame
 from vdoor.viz.rerun import style
@@ -93,7 +93,7 @@ class Sheet:
         A large raster is reduced: each pixel shows the highest code of its block of cells.
         """
         by = -(-max(raster.shape) // LARGEST_SIDE_PX)
-        codes = block_reduce(raster, by, np.max) if by > 1 else raster  # type: ignore[no-untyped-call]  # has no types
+        codes = skimage.measure.block_reduce(raster, by, np.max) if by > 1 else raster  # type: ignore[no-untyped-call]  # has no types
         whole = np.array([[-0.5, -0.5], [codes.shape[0] * by - 0.5, codes.shape[1] * by - 0.5]])
         (left, top), (right, bottom) = self.points(whole, frame).round(6).tolist()
         place = {"x": left, "y": top, "width": right - left, "height": bottom - top}

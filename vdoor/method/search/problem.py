@@ -6,9 +6,8 @@ import itertools
 from functools import cached_property
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.sparse import csr_array
-from scipy.sparse.csgraph import connected_components
 
 from vdoor.method.initial_map import InitialMap
 from vdoor.method.scoring.score import DoorScores
@@ -89,8 +88,10 @@ class MergeProblem:
         # links are sorted by a, so the entries are already in the order of a CSR matrix
         per_row = np.bincount(choice * count + a[link], minlength=choices * count)
         begin = np.append(0, np.cumsum(per_row))
-        graph = csr_array((np.ones(len(link), np.int8), choice * count + b[link], begin), shape=(choices * count,) * 2)
-        _, room = connected_components(graph, directed=False)
+        graph = scipy.sparse.csr_array(
+            (np.ones(len(link), np.int8), choice * count + b[link], begin), shape=(choices * count,) * 2
+        )
+        _, room = scipy.sparse.csgraph.connected_components(graph, directed=False)
         return room.reshape(choices, count).astype(np.intp, copy=False), is_open
 
     def separating(self, removed: Bits, room: NDArray[np.intp]) -> tuple[Bits, Ints]:

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
+import scipy
 import shapely
 from numpy.typing import NDArray
-from scipy import ndimage
 
 from vdoor.navigate.coverage.path import norms
 
@@ -62,7 +62,7 @@ def _cut(point: Floats, width: float) -> list[Floats]:
 
 def lanes(uncovered: Mask, part: shapely.Polygon, width: float) -> list[Piece]:
     """Lanes that sweep the uncovered cells (h, w) of a part, for each connected patch in the cheapest direction."""
-    patch, count = ndimage.label(uncovered, np.ones((3, 3)))
+    patch, count = scipy.ndimage.label(uncovered, np.ones((3, 3)))
     own = patch[uncovered]
     cell = np.argwhere(uncovered)[np.argsort(own, kind="stable")].astype(np.float64)
     ends = np.cumsum(np.bincount(own, minlength=count + 1))

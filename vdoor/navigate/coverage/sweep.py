@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy import ndimage
 
 Mask = NDArray[np.bool_]
 Ints = NDArray[np.intp]
@@ -59,13 +59,15 @@ class Tool:
 
     def reachable(self, centres: Mask) -> Mask:
         """The cells (h, w) that the tool sweeps if its centre visits all of `centres` (h, w)."""
-        near: Mask = ndimage.distance_transform_edt(~centres) <= self.reach + EPSILON
+        near: Mask = scipy.ndimage.distance_transform_edt(~centres) <= self.reach + EPSILON
         if not self.hidden:
             return near & ~self.blocked
         found = np.zeros(self.blocked.size, np.bool_)
-        at = np.argwhere(centres & ndimage.binary_dilation(self.blocked, iterations=int(self.reach) + 2)).astype(float)
+        at = np.argwhere(centres & scipy.ndimage.binary_dilation(self.blocked, iterations=int(self.reach) + 2)).astype(
+            float
+        )
         found[self.swept(at, at).cell] = True
-        clear: Mask = ndimage.distance_transform_edt(~self.blocked) > self.reach + 2
+        clear: Mask = scipy.ndimage.distance_transform_edt(~self.blocked) > self.reach + 2
         return found.reshape(near.shape) | (near & clear)
 
     def _rows(self, start: Floats, end: Floats) -> tuple[Ints, Ints, Interval]:

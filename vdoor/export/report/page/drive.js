@@ -57,7 +57,7 @@ function addDrive(drive) {
     const place = segmentAt(drive.at, value);
     const [x, y] = [between(xs, place), between(ys, place)];
     const way = `M${[...places.slice(0, place.row + 1), `${x} ${y}`].join("L")}`;
-    done.setAttribute("d", way);
+    done.setAttribute("d", value < drive.at.at(-1) ? way : ""); // at its end the path has the colours of its parts
     passed?.setAttribute("d", way);
     robot.setAttribute("cx", x);
     robot.setAttribute("cy", y);

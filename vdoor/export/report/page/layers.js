@@ -12,14 +12,17 @@ function addKey(parent, lines) {
   }
 }
 
-function addSwitch(layer, parts) {
+function addSwitch(layer, parts, draw) {
   const about = element(group("layers"), "div", undefined, { class: "layer" });
   const label = element(about, "label");
   const box = element(label, "input", undefined, { type: "checkbox", "data-layer": layer.id });
   element(label, "span", layer.name);
   if (layer.key.length) addKey(about, layer.key);
   if (layer.note) element(about, "small", layer.note);
+  let drawn = false;
   const show = () => {
+    if (box.checked && !drawn) draw?.();
+    drawn ||= box.checked;
     parts.forEach((part) => (part.style.display = box.checked ? "" : "none"));
     about.classList.toggle("off", !box.checked);
   };
@@ -37,20 +40,23 @@ function drawShape(parent, each) {
   own.candidate = each.door;
 }
 
-function drawLayer(layer) {
+/* A layer is drawn when it is first shown: that of a large map has thousands of shapes */
+function addLayer(layer) {
   const picture = shape(group("pictures"), "g", { "data-layer": layer.id });
   const drawn = shape(group("shapes"), "g", { "data-layer": layer.id });
-  if (layer.picture) {
-    const { above, ...place } = layer.picture;
-    shape(above ? drawn : picture, "image", { ...place, preserveAspectRatio: "none" });
-  }
   layers.set(layer.id, drawn);
-  for (const each of layer.shapes) drawShape(drawn, each);
-  addSwitch(layer, [picture, drawn]);
+  addSwitch(layer, [picture, drawn], () => {
+    if (layer.picture) {
+      const { above, ...place } = layer.picture;
+      shape(above ? drawn : picture, "image", { ...place, preserveAspectRatio: "none" });
+    }
+    for (const each of layer.shapes) drawShape(drawn, each);
+    drawn.whenDrawn?.();
+  });
 }
 
 function drawLayers() {
-  data.layers.forEach(drawLayer);
+  data.layers.forEach(addLayer);
   const doors = [[data.door_colour, "between two rooms"]];
   addSwitch({ id: "rooms", name: "Rooms", on: true, key: [] }, [group("rooms")]);
   addSwitch({ id: "final-doors", name: "Doors", on: true, key: doors }, [group("doors")]);

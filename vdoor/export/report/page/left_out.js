@@ -7,7 +7,7 @@ function showPlace(place) {
 }
 
 function placeButton(place, index) {
-  if (!place.at) return "";
+  if (!place.at) return "others";
   const made = document.createElement("button");
   made.type = "button";
   made.textContent = index + 1;

@@ -50,7 +50,7 @@ function drawCurve(curve) {
 function followSearch(curve) {
   const { here, x, numberAt } = drawCurve(curve);
   const slider = group("generation");
-  const edges = [...(layers.get("search")?.children ?? [])].map((part) => part.querySelector(".line") ?? part);
+  const drawn = layers.get("search");
   const choices = [];
   const removed = new Set();
   for (const flips of curve.flips) {
@@ -64,6 +64,7 @@ function followSearch(curve) {
     here.setAttribute("x1", x(curve.number[row]));
     here.setAttribute("x2", x(curve.number[row]));
     const out = choices[row];
+    const edges = [...(drawn?.children ?? [])].map((part) => part.querySelector(".line") ?? part);
     group("chosen").textContent = `${curve.number[row]}: best ${text(curve.best[row])}, mean ${text(curve.mean[row])}, worst ${text(curve.worst[row])}; ${curve.edges - out.size} of ${many(curve.edges, "virtual door")} kept; ${curve.evaluations[row]} evaluations`;
     if (edges.length !== curve.edges) return;
     edges.forEach((edge, index) => {
@@ -79,6 +80,7 @@ function followSearch(curve) {
     const away = curve.number.map((number) => Math.abs(number - wanted));
     choose(away.indexOf(Math.min(...away)));
   });
+  if (drawn) drawn.whenDrawn = () => choose(Number(slider.value));
   choose(curve.number.length - 1);
 }
 

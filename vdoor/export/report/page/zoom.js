@@ -13,7 +13,7 @@ function showView(next) {
   const [width, height] = [next[2] * scale, next[3] * scale];
   const middle = [0, 1].map((axis) => {
     const at = next[axis] + next[axis + 2] / 2;
-    return Math.min(Math.max(at, data.view[axis]), data.view[axis] + data.view[axis + 2]);
+    return Math.min(Math.max(at, 0), data.size[axis]);
   });
   view = [middle[0] - width / 2, middle[1] - height / 2, width, height];
   drawing.setAttribute("viewBox", view.join(" "));
