@@ -1,5 +1,6 @@
 """Errors that the user can fix, and how they are reported: one line on stderr."""
 
+import contextlib
 import difflib
 import re
 import sys
@@ -48,8 +49,14 @@ def no_such(what: str, word: str, known: Iterable[str]) -> str:
 
 
 def say(text: str) -> None:
-    """Write one line to stderr, prefixed with the program's name, without control codes that files may hold."""
-    sys.stderr.write(f"vdoor: {printable(' '.join(text.splitlines()))}\n")
+    """Write one line to stderr, prefixed with the program's name, without control codes that files may hold.
+
+    Does nothing if there is no stderr or it cannot be written.
+    """
+    if sys.stderr is not None:
+        with contextlib.suppress(OSError):
+            sys.stderr.write(f"vdoor: {printable(' '.join(text.splitlines()))}\n")
+            sys.stderr.flush()
 
 
 NOT_PRINTABLE = re.compile(r"[^\t\n\x20-\x7e\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")

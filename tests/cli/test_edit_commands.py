@@ -21,7 +21,7 @@ from edited_flat import FLAT, at, flat
 
 import vdoor
 from vdoor import export
-from vdoor.editing.edits import append_edits, parse, read_edits
+from vdoor.editing.edits import appended, parse, read_edits
 from vdoor.export import read_finished
 from vdoor.export.graphs import schema
 from vdoor.results.writing import document_of, write_result
@@ -75,7 +75,7 @@ def test_commands_edit_the_result_as_a_new_run_does(result: Path, tmp_path: Path
 
 def test_edits_of_the_run_come_first(tmp_path: Path, command: Command) -> None:
     mine, kept = tmp_path / "mine.toml", tmp_path / "r" / "edits.toml"
-    append_edits(mine, [parse(f"name {at(1)} Kitchen")])
+    mine.write_bytes(appended(mine, [parse(f"name {at(1)} Kitchen")]))
     command("run", FLAT, "--preset", "paper", "--edits", mine, "--out", tmp_path / "r", "--mcap", tmp_path / "r.mcap")
     command("rename", tmp_path / "r", "2", "Hall")
     assert [edit.name for edit in read_edits(kept)] == ["Kitchen", "Hall"]
@@ -97,7 +97,7 @@ def test_edits_of_a_run_are_in_its_folder(result: Path, tmp_path: Path, command:
     assert (result / "edits.toml").read_text() == mine
     assert "were not applied (--edits applies them)" in command(*words).err
     assert (result / "edits.toml").read_text() == mine
-    append_edits(tmp_path / "other.toml", [parse(f"name {at(1)} Hall")])
+    (tmp_path / "other.toml").write_bytes(appended(tmp_path / "other.toml", [parse(f"name {at(1)} Hall")]))
     assert "which are kept" in command(*words, "--edits", tmp_path / "other.toml").err
     assert (result / "before.edits.toml").read_text() == mine
     assert [edit.name for edit in read_edits(result / "edits.toml")] == ["Hall"]
@@ -158,7 +158,7 @@ def test_edit_that_cannot_be_written_leaves_all_files_as_they_were(result: Path,
 @pytest.mark.parametrize(
     ("words", "code", "says"),
     [
-        (("--edits", "none.toml"), 2, "edits file: No such file"),
+        (("--edits", "none.toml"), 2, "wanted edits as TOML, found none"),
         (("--edits", "bad.toml"), 2, "edit 1: wanted do = one of"),
         (("--closed-door", "2.9,6.5"), 2, "wanted a wall of at most 1 m between free cells, found none at 2.9,6.5"),
         (("--closed-door", "a"), 2, "--closed-door: wanted X,Y, found 'a'"),

@@ -108,11 +108,11 @@ def test_wrong_use_is_one_line_before_anything_is_run(words: list[str], says: st
     assert {path: path.read_bytes() for path in flat.parent.iterdir()} == before
 
 
-def test_a_folder_that_is_missing_leaves_the_recording(tmp_path: Path) -> None:
+def test_a_folder_that_is_missing_is_refused_before_the_run(tmp_path: Path) -> None:
     words = ("--mcap", tmp_path / "flat.mcap", "--export", f"svg={tmp_path / 'missing' / 'x.svg'}")
     done = call("run", FLAT, "--preset", "paper", *words, code=2)
-    assert "missing" in done.stderr
-    assert call("rooms", tmp_path / "flat.mcap").stdout.count("\n") == 6
+    assert "wanted an existing folder for it, found none" in done.stderr
+    assert not list(tmp_path.iterdir())
 
 
 def test_walls_for_a_vacuum_need_no_recording(tmp_path: Path) -> None:

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
+import io
+import os
 import sys
 from typing import Annotated
 
@@ -41,8 +44,11 @@ def _vdoor(
 
 def main() -> None:
     """Run the command; errors are one line on stderr and exit code 2."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")  # a name that the terminal's encoding lacks
     try:
-        app(prog_name="vdoor")
+        _run()
     except VdoorError as error:
         say(str(error))
         sys.exit(2)
@@ -52,3 +58,25 @@ def main() -> None:
         package = LEFT_OUT[error.name]
         say(f"{error.name}: wanted the package {package}, found none; `pip install {package}` adds it")
         sys.exit(2)
+    except OSError as error:
+        say(f"{error.filename or 'standard output'}: cannot be read or written ({error.strerror})")
+        _drop_output()
+        sys.exit(2)
+
+
+def _run() -> None:
+    """Run the command and write all that it printed, so that an error in that is seen here."""
+    try:
+        app(prog_name="vdoor")
+    finally:
+        if sys.stdout is not None:
+            sys.stdout.flush()
+
+
+def _drop_output() -> None:
+    """Let what could not be printed go nowhere, rather than fail again at the end of the process."""
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        with contextlib.suppress(OSError, ValueError):
+            nowhere = os.open(os.devnull, os.O_WRONLY)
+            os.dup2(nowhere, sys.stdout.fileno())
+            os.close(nowhere)

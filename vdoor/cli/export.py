@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from vdoor.export import Export, Finished
     from vdoor.grid import Annotations
     from vdoor.history.provenance import Provenance
+    from vdoor.partial import Staged
     from vdoor.topology import TopologicalMap
 
 
@@ -68,7 +69,7 @@ def export(
     if out is None:
         print(content, end="")
         return
-    for path in wanted.put(content):
+    for path in wanted.put(content, force=force):
         print(path)
 
 
@@ -108,8 +109,16 @@ class RunExports:
         self._provenance = Provenance.of(info)
         return [self._provenance.run]
 
-    def write(self, topology: TopologicalMap, map_file: Path, annotations: Annotations | None) -> VdoorError | None:
-        """Write all exports that this map has; the error of the first one that failed, or None."""
+    def stage(
+        self,
+        staged: Staged,
+        topology: TopologicalMap,
+        map_file: Path,
+        annotations: Annotations | None,
+        *,
+        force: bool,
+    ) -> VdoorError | None:
+        """Stage all exports that this map has; the error of the first one that it has not, or None."""
         if not self.all:
             return None
         from vdoor.export import Finished
@@ -122,6 +131,7 @@ class RunExports:
             except VdoorError as error:
                 refused = refused or type(error)(f"{error}: {map_file}")
             else:
-                item.put(content)
+                for path, data in item.contents(content):
+                    staged.add(path, data, force=force)
                 note_replaced(item, finished)
         return refused

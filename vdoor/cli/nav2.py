@@ -51,7 +51,8 @@ def nav2(
     from vdoor.editing.lookup import find_room
     from vdoor.export import files_of
     from vdoor.export.nav2_folder import Nav2Options, nav2_files
-    from vdoor.files import make_folder, refuse_existing, refuse_folder, write_whole
+    from vdoor.files import make_folder, refuse_existing, refuse_folder
+    from vdoor.partial import write_whole
 
     limits = [_limit(text) for text in slow or ()]
     names = Nav2Options(speed_percent=dict.fromkeys(range(len(limits)), 100)).names()

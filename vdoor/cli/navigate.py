@@ -109,7 +109,7 @@ def route(
     from vdoor.navigate.find_route import FindRoute, Route
     from vdoor.outputs import Outputs
 
-    outputs = Outputs(save=save, mcap=mcap)
+    outputs = Outputs(save=save, mcap=mcap, force=force)
     exports = path_exports(export or (), outputs, source, force=force)
     find = FindRoute(
         start=start,

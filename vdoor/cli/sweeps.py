@@ -117,7 +117,7 @@ def _draw(points: list[Point], save: Path | None, png: Path | None) -> None:
 
         save_sweeps(save, points)
     if png is not None:
-        from vdoor.files import write_whole
+        from vdoor.partial import write_whole
         from vdoor.viz.charts import sweep_png
 
         write_whole(png, sweep_png(points))

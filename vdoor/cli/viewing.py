@@ -40,7 +40,7 @@ def replay(
     from vdoor.files import refuse_existing
     from vdoor.outputs import Outputs
 
-    outputs = Outputs(save=save, connect=connect, serve=serve, spawn=spawn)
+    outputs = Outputs(save=save, connect=connect, serve=serve, spawn=spawn, force=force)
     if not (save or connect or serve or spawn):
         raise SettingError("replay: wanted somewhere to draw, one of --save, --connect, --serve, --spawn")
     refuse_existing(outputs.files, force=force, reads=[recording])
@@ -62,7 +62,8 @@ def shot(
 ) -> None:
     """Write a PNG picture of each stage; needs no screen."""
     from vdoor.explain.stages import tabs_of
-    from vdoor.files import make_folder, refuse_existing, write_whole
+    from vdoor.files import make_folder, refuse_existing
+    from vdoor.partial import write_whole
     from vdoor.pipeline import RECORDS
 
     names = tabs_of(RECORDS, {})

@@ -22,7 +22,8 @@ from vdoor.export.report import to_report
 from vdoor.export.rmf import to_rmf
 from vdoor.export.svg import to_svg
 from vdoor.export.virtual_walls import to_virtual_walls
-from vdoor.files import refuse_existing, write_whole
+from vdoor.files import refuse_existing
+from vdoor.partial import together
 from vdoor.results.reading import Finished, files_of, read_finished
 from vdoor.topology import TopologicalMap
 
@@ -143,16 +144,23 @@ class Export:
         taken = {name: value for name, value in choices.items() if name in self.writer.takes}
         return self.writer.write(finished.topology, **taken)
 
-    def put(self, content: str | Raster) -> list[Path]:
-        """Write the files, each atomically; `VdoorError` if they cannot be written."""
+    def contents(self, content: str | Raster) -> list[tuple[Path, bytes]]:
+        """The files to write, with their bytes."""
         if self.path is None:
             raise SettingError(f"{self.writer.name}: wanted a file to write, found none")
-        files = content.files(self.path) if isinstance(content, Raster) else [(self.path, content.encode())]
-        return [write_whole(path, data) for path, data in files]
+        return content.files(self.path) if isinstance(content, Raster) else [(self.path, content.encode())]
 
-    def write(self, finished: Finished) -> list[Path]:
+    def put(self, content: str | Raster, *, force: bool = True) -> list[Path]:
+        """Write the files, all or none; `VdoorError` if they cannot be written, or exist and not `force`."""
+        files = self.contents(content)
+        with together() as staged:
+            for path, data in files:
+                staged.add(path, data, force=force)
+        return [path for path, _ in files]
+
+    def write(self, finished: Finished, *, force: bool = True) -> list[Path]:
         """Write the files of a map; `VdoorError` if the map has no such format or the files cannot be written."""
-        return self.put(self.content(finished))
+        return self.put(self.content(finished), force=force)
 
 
 def _room_id(topology: TopologicalMap, room: int | str) -> int:
@@ -173,4 +181,4 @@ def save(
     """
     export = Export(writer_named(to), Path(path), tuple(map(str, rooms)))
     refuse_files([export], force=force)
-    return export.write(Finished(topology))
+    return export.write(Finished(topology), force=force)

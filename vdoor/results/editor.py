@@ -11,8 +11,8 @@ from vdoor.editing.edits import Edit, appended, parse, read_edits
 from vdoor.editing.lookup import find_door, find_room
 from vdoor.editing.places import Point, parse_place
 from vdoor.errors import SettingError, VdoorError, naming
-from vdoor.files import write_whole
 from vdoor.matching import Older
+from vdoor.partial import together
 from vdoor.results.reading import read_finished
 from vdoor.results.writing import rewritten
 from vdoor.topology import TopologicalMap
@@ -38,9 +38,10 @@ class Change(NamedTuple):
     """The new contents of the files that change; none if the edit is not needed."""
 
     def write(self) -> None:
-        """Write the files, each atomically, that of the edits first."""
-        for path, content in self.files:
-            write_whole(path, content)
+        """Write the files, all or none."""
+        with together() as staged:
+            for path, content in self.files:
+                staged.add(path, content)
 
 
 class ResultEditor:
@@ -124,7 +125,7 @@ class ResultEditor:
         stored = appended(self.file, [edit] if self.file.exists() else [*before, edit])
         lines = [*map(str, before), str(edit)]
         files = rewritten(self.result, after, lines) if self.result.is_dir() else []
-        return [(self.file, stored), *files]
+        return [*files, (self.file, stored)]
 
 
 class _Done(NamedTuple):

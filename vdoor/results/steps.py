@@ -22,7 +22,8 @@ from pathlib import Path
 from typing import Any
 
 from vdoor.errors import VdoorError
-from vdoor.files import make_folder, read_regular, write_whole
+from vdoor.files import make_folder, read_regular
+from vdoor.partial import together, write_whole
 
 FOLDER = "undo"
 MOST_STEPS = 200
@@ -129,12 +130,14 @@ class StepsOnDisk:
         """Write the files as they are at the current step; that they will be is stored first."""
         contents = {name: self._kept(digest) for name, digest in steps.now.files.items()}
         self._store(dataclasses.replace(steps, written=False))
+        with together() as staged:
+            for name in sorted(contents, key=lambda name: name != "map.json"):  # it holds the checksums of the others
+                content, path = contents[name], self._files[name]
+                if content is not None and _digest(path) != steps.now.files[name]:
+                    staged.add(path, content)
         for name, content in contents.items():
-            path = self._files[name]
             if content is None:
-                path.unlink(missing_ok=True)
-            elif _digest(path) != steps.now.files[name]:
-                write_whole(path, content)
+                self._files[name].unlink(missing_ok=True)
         return self._store(dataclasses.replace(steps, written=True))
 
     def _keep(self, content: bytes | None) -> str | None:

@@ -16,9 +16,10 @@ import yaml
 from numpy.typing import NDArray
 from PIL import Image
 
-from vdoor.files import make_folder, write_whole
+from vdoor.files import make_folder
 from vdoor.frame import Frame
 from vdoor.grid import UNKNOWN, OccupancyGrid
+from vdoor.partial import write_whole
 from vdoor.synth.canvas import Cells, Placed, Rooms
 from vdoor.synth.layout import Gap, Opened
 from vdoor.synth.settings import Apartment, Home, Office

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from pathlib import Path
 
 import numpy as np
@@ -9,9 +10,9 @@ import rerun as rr
 import rerun.blueprint as rrb
 
 from vdoor.emit import RunInfo
-from vdoor.files import partial_name
 from vdoor.frame import Frame
 from vdoor.grid import OccupancyGrid
+from vdoor.partial import Partial
 from vdoor.record import COLUMNS, RASTERS, Record, specs
 from vdoor.recording.compare import Difference, places, unequal
 from vdoor.recording.diff import Pair
@@ -19,8 +20,9 @@ from vdoor.viz.rerun import style
 from vdoor.viz.rerun.blueprint import COSTS
 from vdoor.viz.rerun.chart import view_of_chart
 from vdoor.viz.rerun.draw import draw_record
+from vdoor.viz.rerun.pump import Pump
 from vdoor.viz.rerun.scene import Scene, classes, pixels
-from vdoor.viz.rerun.sink import errors_at, new_stream
+from vdoor.viz.rerun.sink import FLUSH_S, errors_at, new_stream
 
 EXPECTED, FOUND = "recorded", "again"
 TABS = ("Differences", "Stages", "Search")
@@ -39,10 +41,10 @@ class DifferenceSink:
     def __init__(self, path: Path, info: RunInfo, *, limit_deg: float = 155.0) -> None:
         self.path = path
         self._step = 0
+        self._partial = Partial(path)
         with errors_at(path):
-            partial_name(path).touch()
-            stream = new_stream(info)
-            stream.save(partial_name(path), default_blueprint=blueprint())
+            stream, self._pump = new_stream(info), Pump(self._partial.stream())
+            stream.save(self._pump.address, default_blueprint=blueprint())
         self._marks = Scene(stream)
         self._scenes = {name: Scene(stream, prefix=f"{name}/") for name in (EXPECTED, FOUND)}
         for scene in self._scenes.values():
@@ -66,14 +68,17 @@ class DifferenceSink:
     def close(self) -> None:
         """Finish the file."""
         with errors_at(self.path):
-            self._marks.stream.flush()
+            self._marks.stream.flush(timeout_sec=FLUSH_S)
             self._marks.stream.disconnect()
-            partial_name(self.path).replace(self.path)
+            self._pump.close()
+        self._partial.give_name()
 
     def abandon(self) -> None:
         """Discard the file: half a comparison is misleading."""
         self._marks.stream.disconnect()
-        partial_name(self.path).unlink(missing_ok=True)
+        with contextlib.suppress(OSError):  # a second error, or closed already
+            self._pump.close()
+        self._partial.remove()
 
     def _mark(self, expected: Record, found: Record, differences: tuple[Difference, ...]) -> None:
         """Log each difference, and mark its position if it has one."""
