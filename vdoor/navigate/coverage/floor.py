@@ -22,9 +22,11 @@ Mask = NDArray[np.bool_]
 Ints = NDArray[np.int32]
 Floats = NDArray[np.float64]
 
-ARC = 8
+ARC = 12
 """Straight pieces in a quarter of a circle around a corner."""
-MOST_SLACK = 0.25
+SLACK = 0.4
+"""Share of the distance between the clearance and the nearest cell centres along a wall that the floor may give up."""
+MOST_SLACK = 0.1
 """Largest distance by which the floor is made smaller so that its boundary has fewer vertices, in cells."""
 NEAR = 2.0
 """A place is moved so far onto a larger part of the floor, in cells."""
@@ -47,12 +49,16 @@ def floor_of(space: Space, centres: Mask) -> shapely.MultiPolygon:
     leaves room for simpler lines.
     """
     radius = space.radius_m / space.frame.resolution_m
-    slack = _slack(radius)
-    within = math.cos(math.pi / (4 * ARC))  # how near the chords of an arc come to its centre
-    free = shapely.union_all(outlines(_around(space, centres, radius)))
-    inside = free.buffer(-(radius + slack / 2) / within, quad_segs=ARC).simplify(slack / 2)
+    free = shapely.union_all(outlines(_around(space.blocked, centres)))
+    inside = free.buffer(-radius - inset(radius), quad_segs=ARC).simplify(_slack(radius) / 2)
     kept = [part for part in parts_of(inside) if _holds_any(part, centres)]
     return shapely.MultiPolygon(kept)
+
+
+def inset(radius: float) -> float:
+    """How much farther from everything than the radius the boundary of a floor is, give or take half its slack."""
+    within = math.cos(math.pi / (4 * ARC))  # how near the chords of an arc come to its centre
+    return (radius + _slack(radius) / 2) / within - radius
 
 
 def nearest_on(floor: shapely.MultiPolygon, point: Floats) -> Floats:
@@ -70,15 +76,17 @@ def nearest_on(floor: shapely.MultiPolygon, point: Floats) -> Floats:
 
 
 def _slack(radius: float) -> float:
-    """How far the nearest allowed centres are beyond the clearance, along a straight wall, less a margin."""
+    """A share of how far the nearest allowed centres along a straight wall are beyond the clearance."""
     nearest = math.ceil(radius - 0.5) + 0.5
-    return min(0.8 * (nearest - radius), MOST_SLACK)
+    return min(SLACK * (nearest - radius), MOST_SLACK)
 
 
-def _around(space: Space, centres: Mask, radius: float) -> Mask:
-    """The free cells that matter to the floor around `centres`: those of their parts, and all within the radius."""
-    near: Mask = ndimage.distance_transform_edt(~centres) <= radius + 2
-    return near & ~space.blocked
+def _around(blocked: Mask, centres: Mask) -> Mask:
+    """The connected free cells (h, w) that hold any of `centres`."""
+    label, count = ndimage.label(~blocked)
+    held = np.zeros(count + 1, np.bool_)
+    held[label[centres]] = True
+    return np.asarray(held[label])
 
 
 def _holds_any(part: shapely.Polygon, centres: Mask) -> bool:

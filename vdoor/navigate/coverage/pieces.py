@@ -25,8 +25,8 @@ GAP = 1.5
 """Lanes are interrupted where so many widths of the tool along them are swept already."""
 SHORTENED = 0.4
 """How much a lane is shorter than what it has to sweep, at each end, in widths of the tool."""
-LEAST_CELLS = 4
-"""Fewer uncovered cells in one place get no lane."""
+LEAST_AREA = 0.1
+"""A smaller uncovered place gets no lane, nor does a stretch of a lane over less, in squares of the tool's width."""
 ON_BOUNDARY = 1e-6
 """Rounding errors of points on a boundary, in cells."""
 SAME_DIRECTION_RAD = math.radians(2)
@@ -60,17 +60,20 @@ def _cut(point: Floats, width: float) -> list[Floats]:
     return [point[a : b + 1] for a, b in pairwise(at.tolist())]
 
 
-def lanes(uncovered: Mask, part: shapely.Polygon, width: float) -> list[Piece]:
-    """Lanes that sweep the uncovered cells (h, w) of a part, for each connected patch in the cheapest direction."""
+def lanes(uncovered: Mask, at: Floats, side: float, part: shapely.Polygon, width: float) -> list[Piece]:
+    """Lanes that sweep the uncovered cells of a part, for each connected patch in the cheapest direction.
+
+    `uncovered` (h, w) is on a raster with cells of a `side`; `at` (n, 2) is where these are.
+    """
     patch, count = ndimage.label(uncovered, np.ones((3, 3)))
     own = patch[uncovered]
-    cell = np.argwhere(uncovered)[np.argsort(own, kind="stable")].astype(np.float64)
+    cell = at[np.argsort(own, kind="stable")]
     ends = np.cumsum(np.bincount(own, minlength=count + 1))
     turned = _directions_rad(part, width)
     found = []
     for first, last in pairwise(ends.tolist()):
-        if last - first >= LEAST_CELLS:
-            tried = [_lanes(cell[first:last], rad, width) for rad in turned]
+        if (last - first) * side**2 >= LEAST_AREA * width**2:
+            tried = [_lanes(cell[first:last], side, rad, width) for rad in turned]
             found += list(tried[int(np.argmin([_cost(lines, width) for lines in tried]))])
     inside = (shapely.intersection(shapely.LineString(line), part) for line in found)
     return [Piece("lane", _ends(lane)) for line in inside for lane in shapely.get_parts(line) if not lane.is_empty]
@@ -94,13 +97,13 @@ def _cost(lines: Floats, width: float) -> float:
     return float(norms(lines[:, 1] - lines[:, 0]).sum() + LANE_COST * width * len(lines))
 
 
-def _lanes(cell: Floats, direction_rad: float, width: float) -> Floats:
+def _lanes(cell: Floats, side: float, direction_rad: float, width: float) -> Floats:
     """Lanes (k, 2, 2) in one direction, as far apart as the tool is wide or closer, over the cells of one patch."""
     axes = np.array(
         [[math.cos(direction_rad), math.sin(direction_rad)], [-math.sin(direction_rad), math.cos(direction_rad)]]
     )
     along, across = axes @ cell.T
-    low, high = across.min() - 0.5, across.max() + 0.5
+    low, high = across.min() - side / 2, across.max() + side / 2
     count = max(1, math.ceil((high - low) / width - 1e-6))
     apart = (high - low) / count
     lane = np.minimum(((across - low) / apart).astype(np.intp), count - 1)
@@ -108,7 +111,7 @@ def _lanes(cell: Floats, direction_rad: float, width: float) -> Floats:
     along, lane = along[order], lane[order]
     ends = np.flatnonzero((np.diff(lane) != 0) | (np.diff(along) > GAP * width))
     first, last = np.concatenate([[0], ends + 1]), np.concatenate([ends, [len(lane) - 1]])
-    enough = (last - first + 1 >= LEAST_CELLS) | (len(first) == 1)
+    enough = ((last - first + 1) * side**2 >= LEAST_AREA * width**2) | (len(first) == 1)
     first, last = first[enough], last[enough]
     shorter = np.minimum(SHORTENED * width, (along[last] - along[first]) / 2)
     middle = low + (lane[first] + 0.5) * apart
