@@ -183,7 +183,7 @@ def test_a_tool_sweeps_the_cells_of_its_stadium() -> None:
     rng = np.random.default_rng(1)
     row, col = np.mgrid[0:40, 0:50]
     for reach in (0.4, 1.0, 3.0, 7.3):
-        tool = Tool(reach, np.zeros(row.shape, np.bool_), hidden=False)
+        tool = Tool(reach, reach, np.zeros(row.shape, np.bool_))
         ends = rng.uniform((-3, -3), (43, 53), (30, 2, 2))
         swept = tool.swept(ends[:, 0], ends[:, 1])
         for number, (a, b) in enumerate(ends):

@@ -25,7 +25,7 @@ GAP = 1.5
 """Lanes are interrupted where so many widths of the tool along them are swept already."""
 SHORTENED = 0.4
 """How much a lane is shorter than what it has to sweep, at each end, in widths of the tool."""
-LEAST_AREA = 0.1
+LEAST_AREA = 0.15
 """A smaller uncovered place gets no lane, nor does a stretch of a lane over less, in squares of the tool's width."""
 ON_BOUNDARY = 1e-6
 """Rounding errors of points on a boundary, in cells."""
@@ -60,19 +60,23 @@ def _cut(point: Floats, width: float) -> list[Floats]:
     return [point[a : b + 1] for a, b in pairwise(at.tolist())]
 
 
-def lanes(uncovered: Mask, at: Floats, side: float, part: shapely.Polygon, width: float) -> list[Piece]:
+def lanes(
+    uncovered: Mask, thresholds: Mask, at: Floats, side: float, part: shapely.Polygon, width: float
+) -> list[Piece]:
     """Lanes that sweep the uncovered cells of a part, for each connected patch in the cheapest direction.
 
-    `uncovered` (h, w) is on a raster with cells of a `side`; `at` (n, 2) is where these are.
+    `uncovered` (h, w) is on a raster with cells of a `side`; `at` (n, 2) is where these are. A patch at one of the
+    `thresholds` (h, w) is swept however small, since it goes on in the next room.
     """
     patch, count = ndimage.label(uncovered, np.ones((3, 3)))
     own = patch[uncovered]
     cell = at[np.argsort(own, kind="stable")]
     ends = np.cumsum(np.bincount(own, minlength=count + 1))
+    at_door = np.bincount(patch[uncovered & thresholds], minlength=count + 1)[1:] > 0
     turned = _directions_rad(part, width)
     found = []
-    for first, last in pairwise(ends.tolist()):
-        if (last - first) * side**2 >= LEAST_AREA * width**2:
+    for (first, last), sure in zip(pairwise(ends.tolist()), at_door.tolist(), strict=True):
+        if sure or (last - first) * side**2 >= LEAST_AREA * width**2:
             tried = [_lanes(cell[first:last], side, rad, width) for rad in turned]
             found += list(tried[int(np.argmin([_cost(lines, width) for lines in tried]))])
     inside = (shapely.intersection(shapely.LineString(line), part) for line in found)
@@ -94,7 +98,9 @@ def _directions_rad(part: shapely.Polygon, width: float) -> list[float]:
 
 
 def _cost(lines: Floats, width: float) -> float:
-    return float(norms(lines[:, 1] - lines[:, 0]).sum() + LANE_COST * width * len(lines))
+    """The length of lanes and what is between them; after an odd number the robot has to come back."""
+    length = norms(lines[:, 1] - lines[:, 0])
+    return float(length.sum() + LANE_COST * width * len(lines) + len(lines) % 2 * length.sum() / max(len(lines), 1))
 
 
 def _lanes(cell: Floats, side: float, direction_rad: float, width: float) -> Floats:

@@ -11,7 +11,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from vdoor.navigate.coverage.floor import Part, floor_of, inset, nearest_on, room_parts
+from vdoor.navigate.coverage.floor import Part, floor_of, inset_of, nearest_on, room_parts
 from vdoor.navigate.coverage.net import Net
 from vdoor.navigate.coverage.path import Path
 from vdoor.navigate.coverage.pieces import Piece, lanes, wall_passes
@@ -20,6 +20,7 @@ from vdoor.navigate.coverage.sweep import Tool, finer
 from vdoor.navigate.coverage.tour import tour_of
 from vdoor.navigate.coverage.visits import Parts, Round, Visit
 from vdoor.navigate.space import Space
+from vdoor.raster.components import contacts
 
 Mask = NDArray[np.bool_]
 Ints = NDArray[np.int32]
@@ -70,14 +71,16 @@ def cover(task: Task) -> Covered:
     floor = floor_of(space, space.parts == space.parts[tuple(task.start.astype(np.intp))])
     radius = space.radius_m / space.frame.resolution_m
     tool = Tool.on(space.blocked, _fine(space), reach=task.reach, radius=radius)
-    wanted = _reachable(tool, floor) & finer(np.isin(task.labels, task.rooms), tool.fine)
+    wanted = _reachable(tool, floor, inset_of(space)) & finer(np.isin(task.labels, task.rooms), tool.fine)
     site = Site(floor, tool, wanted, task.labels)
     parts = room_parts(site.floor, task.labels)
     chosen = [number for room in task.rooms for number, part in enumerate(parts) if part.room == room]
     ends = np.stack([nearest_on(site.floor, at) for at in (task.start, task.start if task.end is None else task.end)])
     ways = Parts.of(site.floor, [part.floor for part in parts], ends)
     tour = ways.round(chosen, ends=task.end is not None, ordered=task.ordered)
-    polish = Polish(floor=site.floor, tool=tool, wanted=wanted, trade=task.trade, bend=task.bend, leave=task.leave)
+    polish = Polish(
+        floor=floor, tool=tool, wanted=wanted, kept=site.thresholds, trade=task.trade, bend=task.bend, leave=task.leave
+    )
     path = polish(_driven(site, parts, tour))
     return Covered(path, [parts[visit.part].room for visit in tour.visits], wanted, tool)
 
@@ -87,11 +90,11 @@ def _fine(space: Space) -> int:
     return max(1, math.ceil(space.frame.resolution_m / LARGEST_CELL_M))
 
 
-def _reachable(tool: Tool, floor: shapely.MultiPolygon) -> Mask:
+def _reachable(tool: Tool, floor: shapely.MultiPolygon, inset: float) -> Mask:
     """The cells of the raster (h, w) that the tool reaches from where its centre keeps the clearance."""
     rings = [shapely.get_coordinates(ring) for ring in shapely.get_rings(shapely.get_parts(floor))]
     start, end = (np.concatenate([ring[own] for ring in rings]) for own in (slice(None, -1), slice(1, None)))
-    return replace(tool, reach=tool.reach + inset(tool.radius)).reachable(start, end)
+    return replace(tool, reach=tool.reach + inset).reachable(start, end)
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,6 +111,15 @@ class Site:
         """The lines along walls and islands."""
         return self.floor.boundary
 
+    @cached_property
+    def thresholds(self) -> Mask:
+        """The cells of the raster (h, w) where two rooms touch."""
+        beside, _ = contacts(self.labels)  # the middles of sides between cells
+        found = np.zeros(self.labels.shape, np.bool_)
+        for cell in (np.floor(beside), np.ceil(beside)):
+            found[tuple(cell.astype(np.intp).T)] = True
+        return finer(found, self.tool.fine)
+
     def pieces(self, part: Part) -> list[Piece]:
         """Passes along the walls of a part of a room, and lanes over what these leave uncovered."""
         width = 2 * self.tool.reach
@@ -119,7 +131,7 @@ class Site:
         own = finer(self.labels[box] == part.room, self.tool.fine)
         uncovered = self.wanted[raster] & own & ~swept.reshape(self.wanted.shape)[raster]
         at = self.tool.on_map(np.argwhere(uncovered) + [side.start for side in raster])
-        return passes + lanes(uncovered, at, 1 / self.tool.fine, part.floor, width)
+        return passes + lanes(uncovered, self.thresholds[raster], at, 1 / self.tool.fine, part.floor, width)
 
     def _box(self, part: Part) -> tuple[Box, Box]:
         """The cells around a part that the tool can sweep from it, of the map and of the raster."""

@@ -13,7 +13,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from vdoor.navigate.coverage.floor import SNAP, grown
+from vdoor.navigate.coverage.floor import SNAP, enlarged
 from vdoor.navigate.coverage.path import Path, bends_rad, norms
 from vdoor.navigate.coverage.sweep import Tool, consecutive
 
@@ -26,6 +26,8 @@ STEPS = (1 / 8, 1 / 4, 1 / 2, 1)
 MOST_ROUNDS = 100
 BEND_RAD = np.radians(5.0)
 """A smaller change of heading is no bend."""
+KEPT = 1_000_000
+"""A cell that is not given up counts as so many."""
 LONGEST_EXTENSION = 3.0
 """Two bends become one only if their outer segments meet within so many widths of the tool."""
 EPSILON = 1e-6
@@ -56,11 +58,28 @@ class Deltas(NamedTuple):
     cell: Ints
     more: NDArray[np.int32]
     """Negative for less often (n,)."""
+    counts: NDArray[np.int32]
+    """As how many cells each counts (n,)."""
+
+    def between(self, begin: int, end: int) -> Deltas:
+        """Some of them."""
+        return Deltas(self.change[begin:end], self.cell[begin:end], self.more[begin:end], self.counts[begin:end])
 
     def lost(self, times: NDArray[np.int32]) -> NDArray[np.int32]:
-        """1 for each cell (n,) that is not swept any more, -1 for each that now is, if cells are swept so often."""
+        """What each cell (n,) counts that is not swept any more, negative if it now is, if cells are swept so often."""
         before = times[self.cell]
-        return (before > 0).astype(np.int32) - (before + self.more > 0)
+        return self.counts * ((before > 0).astype(np.int32) - (before + self.more > 0))
+
+
+class Round(NamedTuple):
+    """Changes that are tried at once."""
+
+    changes: Changes
+    deltas: Deltas
+    saved: Floats
+    """What they save in length and bends, in cells (k,)."""
+    gain: Floats
+    """That less the cells they lose, each alone (k,)."""
 
 
 class Draft(NamedTuple):
@@ -81,6 +100,8 @@ class Polish:
     tool: Tool
     wanted: Mask
     """The cells to be swept (h, w)."""
+    kept: Mask
+    """Those that are not given up, once swept (h, w)."""
     trade: float
     """How much area may be lost for a length saved, as a share of what the tool sweeps on that length; at first less,
     see `STEPS`."""
@@ -91,7 +112,7 @@ class Polish:
 
     def __call__(self, path: Path) -> Path:
         """The path after all worthwhile changes; its ends stay."""
-        inside = grown(self.floor, SNAP)
+        inside = enlarged(self.floor, SNAP)
         times = np.bincount(self._swept(path.point[:-1], path.point[1:])[1], minlength=self.wanted.size)
         draft = Draft(path, times.astype(np.int32), np.ones(len(path.point), np.bool_))
         for share in STEPS:
@@ -109,7 +130,9 @@ class Polish:
             deltas = self._deltas(path, changes)
             lost = np.bincount(deltas.change, deltas.lost(times), minlength=len(saved))
             gain = share * saved - lost
-            spare = self.leave * np.count_nonzero(self.wanted) - np.count_nonzero(self.wanted.reshape(-1) & (times == 0))
+            spare = self.leave * np.count_nonzero(self.wanted) - np.count_nonzero(
+                self.wanted.reshape(-1) & (times == 0)
+            )
             taken = _taken(changes, deltas, share * saved, gain, times, spare)
             promising = draft.promising & ~_touched(changes, np.arange(len(saved)), len(path.point))
             promising |= _touched(changes, np.flatnonzero(saved - lost > EPSILON), len(path.point))
@@ -119,6 +142,11 @@ class Polish:
             if not len(taken):
                 break
         return draft
+
+    def _spare(self, times: NDArray[np.int32]) -> float:
+        """How many more cells may stay uncovered."""
+        wanted = np.count_nonzero(self.wanted)
+        return self.leave * wanted - (wanted - np.count_nonzero(times))
 
     def _possible(self, path: Path, active: Mask, inside: shapely.Geometry) -> tuple[Changes, Floats]:
         """Changes near active points that save length or bends, and stay on the floor, and what they save (k,)."""
@@ -168,7 +196,8 @@ class Polish:
         middle = np.where(changes.straight[:, None], far, changes.middle)
         change, cell = self._swept(path.point[changes.first], middle)
         behind, other = self._swept(changes.middle[bent], far[bent])
-        return _summed(old, np.concatenate([change * size + cell, bent[behind] * size + other]), size)
+        change, cell, more = _summed(old, np.concatenate([change * size + cell, bent[behind] * size + other]), size)
+        return Deltas(change, cell, more, np.where(self.kept.reshape(-1)[cell], KEPT, 1).astype(np.int32))
 
     def _swept(self, start: Floats, end: Floats) -> tuple[Ints, Ints]:
         segment, cell = self.tool.swept(start, end)
@@ -176,8 +205,11 @@ class Polish:
         return segment[wanted], cell[wanted]
 
 
-def _summed(old: Ints, new: Ints, size: int) -> Deltas:
-    """The deltas of keys that go and keys that come, a key being a change times `size` plus a cell."""
+def _summed(old: Ints, new: Ints, size: int) -> tuple[Ints, Ints, NDArray[np.int32]]:
+    """The changes and cells of keys that go and come, and how much more often they come than go, if not as often.
+
+    A key is a change times `size` plus a cell.
+    """
     keys = np.concatenate([2 * old, 2 * new + 1])
     keys.sort()
     key = keys >> 1
@@ -185,7 +217,7 @@ def _summed(old: Ints, new: Ints, size: int) -> Deltas:
     more = np.add.reduceat(2 * (keys & 1) - 1, first) if len(first) else first
     differs = np.flatnonzero(more)
     change, cell = np.divmod(key[first[differs]], size)
-    return Deltas(change, cell, more[differs].astype(np.int32))
+    return change, cell, more[differs].astype(np.int32)
 
 
 def _left_out(point: Floats) -> Changes:
@@ -209,13 +241,12 @@ def _joined(point: Floats, longest: float) -> Changes:
     return Changes(first, np.full(len(first), 3), meeting[first], np.zeros(len(first), np.bool_))
 
 
-def _taken(
-    changes: Changes, deltas: Deltas, saved: Floats, gain: Floats, times: NDArray[np.int32], spare: float
-) -> Ints:
+def _taken(tried: Round, times: NDArray[np.int32], spare: float) -> Ints:
     """The best changes that share no segments and lose at most `spare` cells in all; `times` becomes what it then is.
 
     Each is looked at anew, since those before it have changed how often cells are swept.
     """
+    changes, deltas, saved, gain = tried
     begin = np.searchsorted(deltas.change, np.arange(len(gain) + 1)).tolist()
     first, last = changes.first.tolist(), (changes.first + changes.gone).tolist()
     used = np.zeros(max(last) + 1, np.bool_)
@@ -225,7 +256,7 @@ def _taken(
         stretch = slice(first[change], last[change] + 1)
         if used[stretch].any():
             continue
-        own = Deltas(*(column[begin[change] : begin[change + 1]] for column in deltas))
+        own = deltas.between(begin[change], begin[change + 1])
         lost = int(own.lost(times).sum())
         if saved[change] - lost > EPSILON and lost <= max(spare, 0):
             times[own.cell] += own.more

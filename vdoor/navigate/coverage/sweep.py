@@ -75,7 +75,9 @@ class Tool:
         found = Swept(np.repeat(segment, count), consecutive(row * self.blocked.shape[1] + first, count))
         seen = ~self.blocked.reshape(-1)[found.cell]
         if self.reach > self.radius:
-            seen[seen] = self._seen(start, end, Swept(found.segment[seen], found.cell[seen]))
+            # nothing is blocked within the radius of the centre, or near a cell far from everything
+            doubt = np.flatnonzero(seen & (self._free[found.cell] < self.fine * (self.reach - self.radius)))
+            seen[doubt] = self._seen(start, end, Swept(found.segment[doubt], found.cell[doubt]))
         return Swept(found.segment[seen], found.cell[seen])
 
     def reachable(self, start: Floats, end: Floats) -> Mask:
@@ -103,8 +105,8 @@ class Tool:
 
     @cached_property
     def _free(self) -> Floats:
-        """How far each cell (h, w) is from the nearest blocked one at least, from centre to edge, in the raster."""
-        return np.asarray(ndimage.distance_transform_edt(~self.blocked) - math.sqrt(0.5))
+        """How far each cell (h w,) is at least from the nearest blocked one, from centre to edge, in the raster."""
+        return np.asarray(ndimage.distance_transform_edt(~self.blocked) - math.sqrt(0.5)).reshape(-1)
 
     def _seen(self, start: Floats, end: Floats, found: Swept) -> Mask:
         """Whether the straight line from the nearest point of the segment to the cell is free."""
@@ -113,8 +115,7 @@ class Tool:
         share = ((cell - a) * along).sum(axis=1) / np.maximum((along**2).sum(axis=1), EPSILON)
         nearest = a + np.clip(share, 0, 1)[:, None] * along
         apart = np.sqrt(((cell - nearest) ** 2).sum(axis=1))
-        # nothing is blocked within the radius of the one end, or near the other
-        seen = np.asarray(self._free.reshape(-1)[found.cell] + self.radius * self.fine >= apart)
+        seen = np.asarray(self._free[found.cell] + self.radius * self.fine >= apart)
         doubt = np.flatnonzero(~seen)
         seen[doubt] = self._line_free(nearest[doubt], cell[doubt])
         return seen
