@@ -118,7 +118,7 @@ class CoverFloor:
     between coverage and length."""
     leave: Annotated[float, Within(0, 1)] = LEAVE
     """Largest share of the floor that may stay uncovered for a shorter path."""
-    bend_m: Annotated[float, Within(0, 10)] = 0.3
+    bend_m: Annotated[float, Within(0, 10)] = 0.33
     """What a bend of the path costs, as a length."""
     speed_m_s: Annotated[float, Within(0.001, 10)] = 0.3
     turn_rad_s: Annotated[float, Within(0.001, 100)] = 1.5

@@ -10,11 +10,12 @@ from functools import cached_property
 import numpy as np
 import shapely
 from numpy.typing import NDArray
+from scipy import ndimage
 
 from vdoor.navigate.coverage.floor import Part, floor_of, inset_of, nearest_on, room_parts
 from vdoor.navigate.coverage.net import Net
 from vdoor.navigate.coverage.path import Path
-from vdoor.navigate.coverage.pieces import Piece, lanes, wall_passes
+from vdoor.navigate.coverage.pieces import Piece, Rest, lanes, wall_passes
 from vdoor.navigate.coverage.polish import Polish
 from vdoor.navigate.coverage.sweep import Tool, finer
 from vdoor.navigate.coverage.tour import tour_of
@@ -29,6 +30,9 @@ Box = tuple[slice, slice]
 
 LARGEST_CELL_M = 0.03
 """It is counted on cells of at most this size what is swept; larger ones of the map are divided."""
+LEAST_AREA, LEAST_BY_LEAVE = 0.15, 7.5
+"""A smaller uncovered place gets no lane, in squares of the tool's width; less if less may stay uncovered: so many
+times that share."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -72,7 +76,7 @@ def cover(task: Task) -> Covered:
     radius = space.radius_m / space.frame.resolution_m
     tool = Tool.on(space.blocked, _fine(space), reach=task.reach, radius=radius)
     wanted = _reachable(tool, floor, inset_of(space)) & finer(np.isin(task.labels, task.rooms), tool.fine)
-    site = Site(floor, tool, wanted, task.labels)
+    site = Site(floor, tool, wanted, task.labels, min(LEAST_AREA, LEAST_BY_LEAVE * task.leave))
     parts = room_parts(site.floor, task.labels)
     chosen = [number for room in task.rooms for number, part in enumerate(parts) if part.room == room]
     ends = np.stack([nearest_on(site.floor, at) for at in (task.start, task.start if task.end is None else task.end)])
@@ -105,6 +109,8 @@ class Site:
     tool: Tool
     wanted: Mask
     labels: Ints
+    least_area: float
+    """Smaller uncovered places get no lane, in squares of the tool's width."""
 
     @cached_property
     def boundary(self) -> shapely.Geometry:
@@ -113,12 +119,13 @@ class Site:
 
     @cached_property
     def thresholds(self) -> Mask:
-        """The cells of the raster (h, w) where two rooms touch."""
+        """The cells of the raster (h, w) where two rooms touch, with their neighbours."""
         beside, _ = contacts(self.labels)  # the middles of sides between cells
         found = np.zeros(self.labels.shape, np.bool_)
         for cell in (np.floor(beside), np.ceil(beside)):
             found[tuple(cell.astype(np.intp).T)] = True
-        return finer(found, self.tool.fine)
+        near = ndimage.binary_dilation(found)
+        return finer(near, self.tool.fine)
 
     def pieces(self, part: Part) -> list[Piece]:
         """Passes along the walls of a part of a room, and lanes over what these leave uncovered."""
@@ -131,7 +138,14 @@ class Site:
         own = finer(self.labels[box] == part.room, self.tool.fine)
         uncovered = self.wanted[raster] & own & ~swept.reshape(self.wanted.shape)[raster]
         at = self.tool.on_map(np.argwhere(uncovered) + [side.start for side in raster])
-        return passes + lanes(uncovered, self.thresholds[raster], at, 1 / self.tool.fine, part.floor, width)
+        rest = Rest(
+            uncovered=uncovered,
+            thresholds=self.thresholds[raster],
+            at=at,
+            side=1 / self.tool.fine,
+            least_area=self.least_area,
+        )
+        return passes + lanes(rest, part.floor, width)
 
     def _box(self, part: Part) -> tuple[Box, Box]:
         """The cells around a part that the tool can sweep from it, of the map and of the raster."""

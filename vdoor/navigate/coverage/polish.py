@@ -26,6 +26,8 @@ STEPS = (1 / 8, 1 / 4, 1 / 2, 1)
 MOST_ROUNDS = 100
 BEND_RAD = np.radians(5.0)
 """A smaller change of heading is no bend."""
+LEAST_TRADE = 1e-3
+"""At this trade a path is only made shorter where it loses nothing."""
 KEPT = 1_000_000
 """A cell that is not given up counts as so many."""
 LONGEST_EXTENSION = 3.0
@@ -130,10 +132,7 @@ class Polish:
             deltas = self._deltas(path, changes)
             lost = np.bincount(deltas.change, deltas.lost(times), minlength=len(saved))
             gain = share * saved - lost
-            spare = self.leave * np.count_nonzero(self.wanted) - np.count_nonzero(
-                self.wanted.reshape(-1) & (times == 0)
-            )
-            taken = _taken(changes, deltas, share * saved, gain, times, spare)
+            taken = _taken(Round(changes, deltas, share * saved, gain), times, self._spare(times))
             promising = draft.promising & ~_touched(changes, np.arange(len(saved)), len(path.point))
             promising |= _touched(changes, np.flatnonzero(saved - lost > EPSILON), len(path.point))
             active = _touched(changes, np.flatnonzero(gain > EPSILON), len(path.point))
@@ -179,7 +178,9 @@ class Polish:
             + ~changes.straight
         )
         width = 2 * self.tool.reach * self.tool.fine**2
-        return np.asarray(self.trade * width * (shorter + self.bend * (bent[end + 1] - bent[start] - bends)))
+        return np.asarray(
+            max(self.trade, LEAST_TRADE) * width * (shorter + self.bend * (bent[end + 1] - bent[start] - bends))
+        )
 
     def _deltas(self, path: Path, changes: Changes) -> Deltas:
         """What changes in how often the wanted cells are swept."""
