@@ -312,7 +312,10 @@ def _route(plan: Plan, run: History) -> None:
     ends = [run.input.frame.cell_from_world(np.array([at[one[end]] for one in edges])) for end in ("startid", "endid")]
     plan.lines(ends[0], ends[1], style.DOOR, "edge")
     rooms = {room.id for room in run.topology.rooms}
-    for chosen, colour, meaning, size in ((True, style.NODE, "room", 9), (False, style.EDGE_MIDDLE, "door or bend", 6)):
+    for chosen, colour, meaning, size in (
+        (True, style.NODE, "room", 9),
+        (False, style.EDGE_MIDDLE, "door or place", 6),
+    ):
         places = np.array([place for number, place in at.items() if (number in rooms) == chosen])
         plan.dots(run.input.frame.cell_from_world(places), colour, meaning, size=size)
 

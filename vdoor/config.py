@@ -9,7 +9,6 @@ import itertools
 import json
 import math
 import textwrap
-import tomllib
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any, TypeVar, get_args, get_type_hints
@@ -132,6 +131,8 @@ def _check_name(name: str, known: Iterable[str], place: str, what: str) -> None:
 
 def read_toml(path: Path) -> dict[str, Any]:
     """The tables of a TOML settings file; raises SettingError if it cannot be read."""
+    import tomllib  # noqa: PLC0415  # its grammar is compiled when it is loaded
+
     try:
         return tomllib.loads(path.read_text(encoding="utf-8"))
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
@@ -142,6 +143,8 @@ def read_toml(path: Path) -> dict[str, Any]:
 
 def parse_assignments(assignments: Iterable[str]) -> dict[str, dict[str, Any]]:
     """Tables from ``stage.field=value``; values are TOML, bare words are strings."""
+    import tomllib  # noqa: PLC0415  # its grammar is compiled when it is loaded
+
     tables: dict[str, dict[str, Any]] = {}
     for text in assignments:
         name, equals, value = text.partition("=")

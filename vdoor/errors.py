@@ -3,7 +3,9 @@
 import difflib
 import re
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
 
 
 class VdoorError(ValueError):
@@ -24,6 +26,16 @@ class SettingError(VdoorError):
 
 class RecordingError(VdoorError):
     """A recording that is damaged, not vdoor's, or of another schema."""
+
+
+@contextmanager
+def naming(path: Path, kind: type[VdoorError] = VdoorError) -> Iterator[None]:
+    """Append a file's path to errors of a kind about its content, unless they end with it."""
+    try:
+        yield
+    except kind as error:
+        text = str(error)
+        raise type(error)(text if text.endswith(str(path)) else f"{text}: {path}") from error
 
 
 def no_such(what: str, word: str, known: Iterable[str]) -> str:

@@ -53,13 +53,14 @@ class Outputs:
 
         Files are written under their partial names.
         """
+        shown = self.save or self.connect or self.serve or self.spawn
+        if shown:
+            from vdoor.viz.rerun.sink import RerunSink  # noqa: PLC0415  # takes half a second, and may not be there
         if self.mcap is not None:
             from vdoor.recording.mcap import McapSink  # noqa: PLC0415  # only if requested
 
             yield McapSink(partial_name(self.mcap), info), self.mcap
-        if self.save or self.connect or self.serve or self.spawn:
-            from vdoor.viz.rerun.sink import RerunSink  # noqa: PLC0415  # takes half a second
-
+        if shown:
             if self.save is not None:
                 yield RerunSink.to_file(partial_name(self.save), info), self.save
             if self.connect:

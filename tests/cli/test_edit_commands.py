@@ -70,7 +70,7 @@ def test_commands_edit_the_result_as_a_new_run_does(result: Path, tmp_path: Path
     assert [line.split()[:2] for line in shown.splitlines()[-7:]][3] == ["3", "merge"]
     assert command("replay", tmp_path / "a.mcap", "--save", tmp_path / "a.rrd").code == 0
     assert command("export", tmp_path / "a.mcap", "--to", "report", "-o", tmp_path / "a.html").code == 0
-    assert command("room-at", at(1), result).out == "room 1  Galley\n"
+    assert command("room-at", result, at(1)).out == "room 1  Galley\n"
 
 
 def test_edits_of_the_run_come_first(tmp_path: Path, command: Command) -> None:
@@ -203,7 +203,7 @@ def test_ids_and_names_agree_over_all_exports() -> None:
     assert "Bad \\u0026 " in report or "Bad & \\u003cK" in report
     route = json.loads(export.to_nav2_route(topology))["features"]
     about = [each["properties"]["metadata"] for each in route if each["geometry"]["type"] == "Point"]
-    assert {each["room"]: each["name"] for each in about if each["kind"] == "room"} == names
+    assert {each["room"]: each["name"] for each in about if each["class"] == "room"} == names
     assert len(json.loads(export.to_virtual_walls(topology, [300]))["virtualWalls"]) == 2
 
 

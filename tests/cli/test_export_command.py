@@ -13,6 +13,7 @@ import finished_maps
 import networkx as nx
 import numpy as np
 import pytest
+import shapely  # type: ignore[import-untyped]  # publishes no types
 import small_recording
 from commands import Command, call
 from PIL import Image
@@ -73,17 +74,20 @@ def test_text_is_printed_without_a_file(runs: Path, tmp_path: Path) -> None:
     assert call("export", runs / "flat", "--to", "nav2-route").stdout == out.read_text()
 
 
-def test_map_without_doors_has_no_route_graph_but_all_the_rest(
-    command: Command, runs: Path, tmp_path: Path, refused: Refused
-) -> None:
+def test_robot_that_fits_nowhere_has_no_route_graph(runs: Path, tmp_path: Path, refused: Refused) -> None:
     source = runs / "one room"
-    line = refused(source, "--to", "nav2-route", "-o", tmp_path / "x.geojson")
-    assert "at least one door" in line
+    line = refused(source, "--to", "nav2-route", "--robot-radius", "9", "-o", tmp_path / "x.geojson")
+    assert "two places for a robot of radius 9 m" in line
     assert line.endswith(str(source))
-    for writer in WRITERS[1:]:
+    assert not (tmp_path / "x.geojson").exists()
+    assert "--robot-radius: wanted the format nav2-route" in refused(source, "--to", "svg", "--robot-radius", "1")
+
+
+def test_map_without_doors_has_every_format(command: Command, runs: Path, tmp_path: Path) -> None:
+    source = runs / "one room"
+    for writer in WRITERS:
         rooms = ["--room", "1"] if writer.needs_rooms else []
         assert command("export", source, "--to", writer.name, "-o", tmp_path / f"{writer.name}.png", *rooms).code == 0
-    assert not (tmp_path / "x.geojson").exists()
 
 
 def test_help_lists_every_format() -> None:
@@ -224,12 +228,22 @@ def test_a_label_image_of_another_map_is_refused(result: Path, refused: Refused)
     assert "in both" in spoilt(np.where(labels == 2, 0, labels).astype(np.uint16))
     assert "in both" in spoilt(np.zeros_like(labels))
     assert "16-bit" in spoilt(labels.astype(np.uint8))
-    room = np.argwhere(labels == 2)
-    parted = labels.copy()
-    parted[room[:, 0].min() + 3, :] *= labels[room[:, 0].min() + 3, :] != 2
-    assert "room 2 in one part" in spoilt(parted)
     (result / "rooms.png").write_bytes(b"\x89PNG")
     assert "rooms.png" in refused(result, "--to", "json")
+
+
+def test_a_room_in_several_parts_comes_out_as_that_many_polygons(result: Path, command: Command) -> None:
+    labels = np.array(Image.open(result / "rooms.png"))
+    row = np.argwhere(labels == 2)[:, 0].min() + 3
+    labels[row] *= labels[row] != 2
+    Image.fromarray(labels).save(result / "rooms.png")
+    done = command("export", result, "--to", "geojson")
+    (room,) = [item for item in json.loads(done.out)["features"] if item["id"] == "room-2"]
+    areas_m2 = [shapely.Polygon(outer, holes).area for outer, *holes in room["geometry"]["coordinates"]]
+    assert room["geometry"]["type"] == "MultiPolygon"
+    assert len(areas_m2) >= 2
+    assert areas_m2 == sorted(areas_m2, reverse=True)
+    assert sum(areas_m2) == pytest.approx(room["properties"]["area_m2"])
 
 
 def test_the_ids_that_are_printed_are_those_of_the_export(runs: Path, tmp_path: Path) -> None:

@@ -54,15 +54,27 @@ def test_each_file_is_what_vdoor_export_makes_of_the_recording(tmp_path: Path) -
         assert (live / path.name).read_bytes() == path.read_bytes(), path.name
 
 
-def test_map_without_doors_has_all_but_the_route_graph(tmp_path: Path) -> None:
+def test_map_in_which_no_robot_fits_has_all_but_the_route_graph(tmp_path: Path) -> None:
     image = tmp_path / "one.png"
     Image.fromarray(greys(finished_maps.grid("one room"))).save(image)
-    words = ("run", image, "--resolution", "0.2", "--unknown-value", "205", "--preset", "paper", "-q")
+    words = (
+        "run",
+        image,
+        "--resolution",
+        "0.02",
+        "--set",
+        "simplify.cell_m=0",
+        "--unknown-value",
+        "205",
+        "--preset",
+        "paper",
+        "-q",
+    )
     written = ("--mcap", tmp_path / "one.mcap", "--save", tmp_path / "one.rrd", "--out", tmp_path / "one")
     done = call(*words, *written, *asked(tmp_path, "nav2-route", "svg"), code=2)
     assert done.stdout.startswith("1 room, 0 doors")
     (line,) = done.stderr.splitlines()
-    assert "at least one door" in line
+    assert "two places for a robot" in line
     assert line.endswith(str(image))
     assert {path.name for path in tmp_path.iterdir()} == {"one.png", "one.mcap", "one.rrd", "one", "rooms.svg"}
     assert call("rooms", tmp_path / "one.mcap").stdout.count("\n") == 2

@@ -1,1 +1,1 @@
-"""Many maps in one go: a map in, a result folder out, and an index of all."""
+"""Many maps in one go: a map in, a result folder and a row of the table out."""

@@ -1,10 +1,10 @@
-"""`vdoor batch`: many maps, one result folder each, and an index."""
+"""`vdoor batch`: many maps, one result folder each, a table and a page of all."""
 
 from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -12,19 +12,38 @@ import typer
 
 from vdoor.cli.options import Config, Force, Preset, Resolution, Seed, Set, Unknown, chosen_pipeline, grey_or_none
 from vdoor.config import DEFAULT_PRESET
-from vdoor.errors import say
+from vdoor.errors import SettingError, no_such, say
 
 if TYPE_CHECKING:
-    from vdoor.batch.job import Job, Outcome
+    from vdoor.batch.job import Row
+
+REPORT = "report"
+SHOWN = 5
+"""Names of failed maps that are listed."""
 
 
 def batch(
-    maps: Annotated[list[Path], typer.Argument(metavar="MAPS...", help="Maps, or folders of maps.")],
+    maps: Annotated[
+        list[str],
+        typer.Argument(
+            metavar="MAPS...",
+            help="Maps, folders, globs, lists (.txt), manifests (.csv, .parquet), URLs; or: report DIR.",
+        ),
+    ],
     *,
-    out: Annotated[Path, typer.Option("--out", metavar="DIR", help="Folder for the results, one folder a map.")],
-    processes: Annotated[
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="DIR", help="Folder for the results, one folder a map.")
+    ] = None,
+    engine: Annotated[
+        str, typer.Option(metavar="NAME", help="processes: of this machine; dask: a cluster.")
+    ] = "processes",
+    scheduler: Annotated[
+        str, typer.Option(metavar="tcp://HOST:PORT", help="With --engine dask: the cluster's scheduler.")
+    ] = "",
+    jobs: Annotated[
         int, typer.Option("--jobs", "-j", min=1, metavar="N", help="Maps at work at a time. Default: one a core.")
     ] = os.cpu_count() or 1,
+    memory: Annotated[int, typer.Option(min=0, metavar="MB", help="Most memory of each worker; 0: no limit.")] = 0,
     preset: Preset = DEFAULT_PRESET,
     config: Config = None,
     set_: Set = None,
@@ -35,57 +54,58 @@ def batch(
 ) -> None:
     """Run many maps; what is done already is kept, so a batch that was stopped goes on where it was.
 
-    Leaves a result folder for each map, index.csv and index.html. The exit code is 1 if a map failed; the others are
-    done all the same.
+    Leaves a result folder for each map, table.parquet, index.csv and index.html, which `vdoor batch report DIR` makes
+    again. A map with a truth beside it (NAME_truth.json or .png), or in a manifest's column reference, is measured.
+    The exit code is 1 if a map failed; the others are done all the same.
     """
-    from vdoor.batch.engine import jobs_of, outcomes
-    from vdoor.batch.index import write_index
-    from vdoor.batch.job import Job
+    from vdoor.batch.job import Recipe, rows_of
+    from vdoor.batch.report import write_report
+    from vdoor.batch.sources import items_of
+    from vdoor.batch.store import remove_stale
+    from vdoor.batch.table import table_of, write_tables
     from vdoor.config import settings_of
+    from vdoor.engines import ENGINES, Limits
     from vdoor.files import make_folder, refuse_folder
     from vdoor.pipeline import METHODS
 
+    if maps[0] == REPORT and len(maps) == len((REPORT, "DIR")):
+        say(f"report: {write_report(Path(maps[1]))}")
+        return
+    if out is None:
+        raise SettingError("batch: wanted --out DIR, found none")
+    if engine not in ENGINES:
+        raise SettingError(f"--engine: {no_such('engine', engine, ENGINES)}")
     refuse_folder(out)
     settings = settings_of(chosen_pipeline(preset, config, set_), METHODS)
     given = {"resolution_m": resolution, "unknown_value": grey_or_none(unknown_value)}
     options = {name: value for name, value in given.items() if value is not None}
-    jobs = [
-        Job(map_file=path, folder=folder, preset=preset, settings=settings, seed=seed, options=options)
-        for path, folder in jobs_of(maps, out)
-    ]
+    recipe = Recipe(batch=out.absolute(), preset=preset, settings=settings, seed=seed, options=options, force=force)
+    items = items_of(maps)
     make_folder(out)
-    if force:
-        _remove(jobs)
-    found = _told(outcomes(jobs, processes), len(jobs))
-    for path in write_index(out, found):
+    remove_stale(out)
+    limits = Limits(workers=jobs, memory_mb=memory, scheduler=scheduler)
+    failed: list[str] = []
+    table = table_of(_told(rows_of(items, recipe, ENGINES[engine], limits), len(items), failed))
+    for path in [*write_tables(out, table), write_report(out)]:
         say(f"index: {path}")
-    failed = [outcome for outcome in found if outcome.error]
     if failed:
-        say(f"{len(failed)} of {len(jobs)} maps failed: {', '.join(str(one.map_file) for one in failed)}")
+        more = ", ..." if len(failed) > SHOWN else ""
+        say(f"{len(failed)} of {len(items)} maps failed: {', '.join(failed[:SHOWN])}{more}")
         raise typer.Exit(1)
 
 
-def _remove(jobs: list[Job]) -> None:
-    """Remove the files of earlier results, and of those alone, as they are to be made again."""
-    from vdoor.results.writing import NAMES
-
-    for job in jobs:
-        for name in NAMES:
-            (job.folder / name).unlink(missing_ok=True)
-        if job.folder.is_dir() and not any(job.folder.iterdir()):
-            job.folder.rmdir()
-
-
-def _told(ended: Iterable[Outcome], total: int) -> list[Outcome]:
-    """The outcomes, each printed as it ends, with a progress bar on a terminal's stderr."""
+def _told(rows: Iterable[Row], total: int, failed: list[str]) -> Iterator[Row]:
+    """The rows, each printed as it ends, with a progress bar on a terminal's stderr; `failed` gets maps that failed."""
     from rich.console import Console
     from rich.progress import Progress
 
-    found = []
+    from vdoor.batch.job import line_of
+
     with Progress(console=Console(stderr=True), disable=not sys.stderr.isatty(), transient=True) as bar:
         task = bar.add_task("maps", total=total)
-        for outcome in ended:
-            print(outcome.line, flush=True)
-            found.append(outcome)
+        for row in rows:
+            print(line_of(row), flush=True)
+            if "error" in row:
+                failed.append(row["map"])
             bar.advance(task)
-    return found
+            yield row

@@ -5,12 +5,13 @@ from __future__ import annotations
 import json
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from vdoor.cli.options import Force, Json, Preset, Resolution, Seed, Set, chosen_pipeline
+from vdoor.cli.options import Force, Jobs, Json, Preset, Resolution, Seed, Set, chosen_pipeline
 from vdoor.config import DEFAULT_PRESET
 from vdoor.errors import say
 
@@ -60,11 +61,13 @@ def evaluate(
         typer.Option("--min", metavar="FIGURE=X", help="Exit code 1 if FIGURE is below X; repeatable."),
     ] = None,
     save: Annotated[Path | None, typer.Option(metavar="FILE.rrd", help="Hits and misses over the map.")] = None,
+    jobs: Jobs = 1,
     force: Force = False,
     as_json: Json = False,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Only errors on stderr.")] = False,
 ) -> None:
     """Evaluate rooms and doors against ground truth."""
+    from vdoor.engines import over
     from vdoor.errors import SettingError
     from vdoor.evaluate import MapChoice, evaluate_case, matched, tables
     from vdoor.files import refuse_existing
@@ -75,8 +78,8 @@ def evaluate(
     refuse_existing([save] if save else [], force=force, reads=given)
     cases = matched(result, reference)
     maps = MapChoice(path=map_, resolution_m=resolution, free_from=free_from)
-    with _notes_on_stderr(quiet=quiet):
-        evaluations = [evaluate_case(case, maps, bare_map) for case in cases.cases]
+    with _notes_on_stderr(quiet=quiet), over(jobs) as each:
+        evaluations = list(each(partial(evaluate_case, maps=maps, bare=bare_map), cases.cases))
     short = tables.shortfalls(tables.summary(evaluations), min_ or ())
     for name, partner in tables.lonely(cases) if not quiet else ():
         say(f"note: {name} has no {partner} and is not measured")
@@ -120,18 +123,21 @@ def ablate(
     preset: Preset = DEFAULT_PRESET,
     set_: Set = None,
     seed: Seed = 0,
+    jobs: Jobs = 1,
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> None:
     """Measure the effect of each part of the method, on maps with known rooms or doors."""
+    from vdoor.engines import over
     from vdoor.experiments import ablation, tables, variants_with
 
     pipeline = chosen_pipeline(preset, None, set_)
     variants, models = variants_with(model or ())
     choice = chosen(reference, bare_map, resolution_m=resolution, free_from=free_from, only=only, exclude=exclude)
     trials = read(maps, choice, quiet=quiet)
-    found = ablation(trials, pipeline, variants=variants, models=models, seed=seed)
-    rows = _with_progress(found, quiet=quiet)
+    with over(jobs) as each:
+        found = ablation(trials, pipeline, variants=variants, models=models, seed=seed, over=each)
+        rows = _with_progress(found, quiet=quiet)
     table = tables.table(rows, tables.ABLATION, "variant")
     _print(tables.document(rows, trials, preset, seed) if as_json else table)
 
@@ -148,16 +154,19 @@ def robust(
     preset: Preset = DEFAULT_PRESET,
     set_: Set = None,
     seed: Seed = 0,
+    jobs: Jobs = 1,
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> None:
     """Measure how door detection degrades on rotated maps, larger cells and noisy walls."""
+    from vdoor.engines import over
     from vdoor.experiments import robustness, tables
 
     pipeline = chosen_pipeline(preset, None, set_)
     choice = chosen(reference, bare_map, resolution_m=resolution, free_from=free_from, only=only, exclude=exclude)
     trials = read(maps, choice, quiet=quiet)
-    rows = _with_progress(robustness(trials, pipeline, seed=seed), quiet=quiet)
+    with over(jobs) as each:
+        rows = _with_progress(robustness(trials, pipeline, seed=seed, over=each), quiet=quiet)
     table = tables.table(rows, tables.ROBUSTNESS, "maps")
     _print(tables.document(rows, trials, preset, seed) if as_json else table)
 

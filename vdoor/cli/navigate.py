@@ -19,12 +19,11 @@ from vdoor.cli.options import (
     Set,
     Unknown,
     chosen_pipeline,
-    naming,
     prepared_pipeline,
     read_grid,
 )
 from vdoor.config import DEFAULT_PRESET
-from vdoor.errors import SettingError, say
+from vdoor.errors import SettingError, naming, say
 from vdoor.navigate import ROBOT_RADIUS_M
 
 if TYPE_CHECKING:

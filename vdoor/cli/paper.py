@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from vdoor.cli.options import Force, Json, Seed
+from vdoor.cli.options import Force, Jobs, Json, Seed
 from vdoor.errors import SettingError, say
 
 
@@ -27,6 +27,7 @@ def paper(
         typer.Option(min=1, max=100_000, metavar="N", help="Number of maps for comparing the search with the optimum."),
     ] = 60,
     seed: Seed = 0,
+    jobs: Jobs = 1,
     force: Force = False,
     as_json: Json = False,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Only errors on stderr.")] = False,
@@ -34,6 +35,7 @@ def paper(
     """Reproduce the paper's figures, table and claims beside the printed ones: 0 if all claims hold, 1 if not."""
     if rrd and out is None:
         raise SettingError("--rrd: wanted --out with a folder for the recordings, found none")
+    from vdoor.engines import over
     from vdoor.files import refuse_existing, refuse_folder
     from vdoor.paper import report, tables
     from vdoor.paper.claims import Size, claims, gather_evidence
@@ -45,7 +47,8 @@ def paper(
         refuse_folder(out)
         refuse_existing(report.files(out, rrd=rrd), force=force)
     progress = no_progress if quiet else say
-    evidence = gather_evidence(Size(apartments=apartments, graphs=graphs, seed=seed), progress)
+    with over(jobs) as each:
+        evidence = gather_evidence(Size(apartments=apartments, graphs=graphs, seed=seed), progress, each)
     if out is not None:
         report.write(evidence, out, rrd=rrd, progress=progress)
     print(report.to_json(evidence) if as_json else tables.to_text(evidence))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import partial
 from operator import itemgetter
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -11,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from vdoor import __version__
-from vdoor.cli.options import Force, Json, MaxCells
+from vdoor.cli.options import Force, Jobs, Json, MaxCells
 from vdoor.errors import RecordingError, SettingError, VdoorError, no_such, say
 
 if TYPE_CHECKING:
@@ -39,11 +40,13 @@ def verify(
     ] = None,
     junit: Annotated[Path | None, typer.Option(metavar="FILE.xml", help="Also write a JUnit report, for CI.")] = None,
     save: SaveDifferences = None,
+    jobs: Jobs = 1,
     force: Force = False,
     max_cells: MaxCells = 100_000_000,
     as_json: Json = False,
 ) -> None:
     """Repeat recorded runs and compare the results: 0 if all are equal, 1 if not, 2 if one cannot be read."""
+    from vdoor.engines import over
     from vdoor.files import refuse_existing, write_whole
     from vdoor.recording import diff_report
 
@@ -56,7 +59,9 @@ def verify(
     if save and len(files) > 1:
         raise SettingError(f"--save: wanted one recording to draw, found {len(files)}")
     within_m = None if only is None else within or 0.0
-    results = [_verified(path, max_cells, save, within_m) for path in files]
+    with over(jobs) as each:
+        work = partial(_verified, max_cells=max_cells, save=save, within_m=within_m)
+        results = list(each(work, files))
     print(
         diff_report.to_json([result.table for result in results]) if as_json else "\n".join(diff_report.table(results))
     )

@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from vdoor.pipeline import AnyPipeline
     from vdoor.record import Record
 
-EDITS = "edits.toml"
 LEAST_OVERLAP = 0.5
 """Maps that share less of their rooms' area are probably not of the same place."""
 
@@ -48,6 +47,7 @@ def leave_edits(folder: Path, lines: Sequence[str], *, quiet: bool) -> None:
     """Write the edits of a run into its folder; other edits found there are kept under another name."""
     from vdoor.editing.edits import append_edits, parse, read_edits
     from vdoor.files import write_whole
+    from vdoor.results.editor import EDITS
 
     path, before = folder / EDITS, folder / f"before.{EDITS}"
     edits = [parse(line) for line in lines]

@@ -3,18 +3,24 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 
 import typer
 
-from vdoor.cli.options import Force, Json, Preset, Resolution, Seed, Set, chosen_pipeline, read_grid
+from vdoor.cli.options import Force, Jobs, Json, Preset, Resolution, Seed, Set, chosen_pipeline, read_grid
 from vdoor.config import DEFAULT_PRESET
 from vdoor.errors import SettingError, say
 from vdoor.navigate import ROBOT_RADIUS_M, TOOL_M
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Iterator
+
+    from vdoor.engines import Over
     from vdoor.grid import OccupancyGrid
 
+T = TypeVar("T")
+R = TypeVar("R")
+PROGRESS_EVERY = 50
 MAP_SUFFIXES = (".yaml", ".pgm", ".png", ".json")
 
 
@@ -151,15 +157,18 @@ def search_study(
     graphs: Annotated[int, typer.Option(min=1, help="Number of initial maps, from synthetic apartments.")] = 60,
     seeds: Annotated[int, typer.Option(min=1, help="Number of searches per map.")] = 50,
     set_: Set = None,
+    jobs: Jobs = 1,
     as_json: Json = False,
 ) -> None:
     """Compare the search with the proven optimum, by number of virtual doors."""
+    from vdoor.engines import over
     from vdoor.experiments import search_study as study
     from vdoor.pipeline import Pipeline
 
     pipeline = chosen_pipeline("paper", None, set_)
     assert isinstance(pipeline, Pipeline)
-    found = study.hit_rates(pipeline, graphs=graphs, seeds=seeds)
+    with over(jobs) as each:
+        found = study.hit_rates(pipeline, graphs=graphs, seeds=seeds, over=each)
     print(study.to_json(found) if as_json else study.to_text(found))
 
 
@@ -180,12 +189,12 @@ def train(
     bare_map: Annotated[Path | None, typer.Option(metavar="DIR", help="Maps on which REF's rooms were drawn.")] = None,
     resolution: Annotated[float | None, typer.Option(metavar="M", help="Cell size of images, in metres.")] = None,
     weight: Annotated[float, typer.Option(min=0, max=1000, help="Weight of each of your own maps.")] = 3.0,
+    jobs: Jobs = 1,
     force: Force = False,
 ) -> None:
     """Fit the curves that score doors, for use with --set score.model=FILE.json."""
-    import functools
-
     from vdoor import train as training
+    from vdoor.engines import over
     from vdoor.errors import SettingError
     from vdoor.files import refuse_existing
 
@@ -205,18 +214,25 @@ def train(
         made["labelled_maps"] = len(own)
         made["command"] += f" --maps {maps.name} --reference {reference.name} --weight {weight:g}"
 
-    def with_progress(number: int, draw: training.Draw) -> training.TrainingMap:
-        if number % 50 == 0:
-            say(f"map {number} of {len(own) + homes + offices}")
-        return draw()
-
     models = []
-    for number in range(rounds):
-        say(f"round {number + 1} of {rounds}")
-        draws = [*map(training.known, own), *training.synthetic_maps(homes, offices, seed + number)]
-        training_maps = [functools.partial(with_progress, *both) for both in enumerate(draws, 1)]
-        models.append(training.fitted_model(training_maps, pipeline, made))
+    with over(jobs) as each:
+        for number in range(rounds):
+            say(f"round {number + 1} of {rounds}")
+            draws = [*map(training.known, own), *training.synthetic_maps(homes, offices, seed + number)]
+            models.append(training.fitted_model(draws, pipeline, made, over=_told(each)))
     model = training.mean_of(models, made)
     training.write_model(output, model)
     examples, real = (model.made[name] for name in ("examples", "real_doors"))
     print(f"{output}: {rounds * (len(own) + homes + offices)} maps, {examples} virtual doors, {real} of them real")
+
+
+def _told(over: Over) -> Over:
+    """The same `map`, which says on stderr how far it is."""
+
+    def told(work: Callable[[T], R], items: Iterable[T], /) -> Iterator[R]:
+        for number, result in enumerate(over(work, items), 1):
+            if number % PROGRESS_EVERY == 0:
+                say(f"map {number} done")
+            yield result
+
+    return told

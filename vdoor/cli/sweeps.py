@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from vdoor.cli.evaluate import BareMap, Exclude, FreeFrom, Only, Quiet, chosen, read
-from vdoor.cli.options import PRESET_HELP, Force, Json, Resolution, Seed, Set, chosen_pipeline
+from vdoor.cli.options import PRESET_HELP, Force, Jobs, Json, Resolution, Seed, Set, chosen_pipeline
 from vdoor.config import DEFAULT_PRESET
 from vdoor.errors import SettingError, say
 
@@ -58,6 +58,7 @@ def sweep(
     png: Annotated[
         Path | None, typer.Option(metavar="FILE.png", help="Charts as a picture (needs matplotlib).")
     ] = None,
+    jobs: Jobs = 1,
     force: Force = False,
     as_json: Json = False,
     quiet: Quiet = False,
@@ -82,7 +83,7 @@ def sweep(
     if reference is not None:
         choice = chosen(reference, bare_map, resolution_m=resolution, free_from=free_from, only=only, exclude=exclude)
     trials = _trials(maps, choice, apartments, furnished=furnished, quiet=quiet)
-    points = _swept(todo, trials, quiet=quiet)
+    points = _swept(todo, trials, jobs, quiet=quiet)
     _draw(points, save, png)
     if as_json:
         about = {
@@ -144,17 +145,19 @@ def _trials(
     return read(maps, choice, quiet=quiet)
 
 
-def _swept(todo: list[Step], trials: list[Trial], *, quiet: bool) -> list[Point]:
+def _swept(todo: list[Step], trials: list[Trial], jobs: int, *, quiet: bool) -> list[Point]:
     """All points; each is printed on stderr as soon as it is measured."""
+    from vdoor.engines import over
     from vdoor.experiments import swept
     from vdoor.experiments.sweep_report import value_text
 
     points = []
-    for number, point in enumerate(swept(todo, trials), start=1):
-        points.append(point)
-        if not quiet:
-            place = f"{number} of {len(todo)}: {point.setting.name}={value_text(point.value)}"
-            say(f"{place}: door F1 {point.figures['door_f1']:.3f}")
-            for name, error in point.failed.items():
-                say(f"note: {name} failed: {error.removeprefix(f'{name}: ')}")
+    with over(jobs) as each:
+        for number, point in enumerate(swept(todo, trials, over=each), start=1):
+            points.append(point)
+            if not quiet:
+                place = f"{number} of {len(todo)}: {point.setting.name}={value_text(point.value)}"
+                say(f"{place}: door F1 {point.figures['door_f1']:.3f}")
+                for name, error in point.failed.items():
+                    say(f"note: {name} failed: {error.removeprefix(f'{name}: ')}")
     return points

@@ -8,9 +8,9 @@ from typing import Annotated
 import typer
 
 from vdoor.cli.export import note_replaced
-from vdoor.cli.options import Force, naming
+from vdoor.cli.options import Force
 from vdoor.cli.rooms import Result
-from vdoor.errors import SettingError, say
+from vdoor.errors import SettingError, naming, say
 
 
 def valetudo(

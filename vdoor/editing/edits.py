@@ -122,11 +122,16 @@ def read_edits(path: Path) -> list[Edit]:
 
 def append_edits(path: Path, edits: Sequence[Edit]) -> None:
     """Append edits to a TOML file, created if missing; its existing text is kept."""
+    write_whole(path, appended(path, edits))
+
+
+def appended(path: Path, edits: Sequence[Edit]) -> bytes:
+    """The content of a TOML file, which may be missing, with edits behind its existing text."""
     text = _read(path)[0] if path.exists() else HEADER
     text += "" if text.endswith("\n") or not text else "\n"
     text += "".join(f"\n{to_toml(edit)}" for edit in edits)
     _parsed(text, path)
-    write_whole(path, text.encode())
+    return text.encode()
 
 
 def to_toml(edit: Edit) -> str:

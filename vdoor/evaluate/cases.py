@@ -12,6 +12,8 @@ from vdoor.evaluate.reference import ENDINGS, bare_name
 from vdoor.formats.valetudo_json import is_valetudo
 
 REFERENCE_SUFFIXES = (*LABEL_SUFFIXES, ".json")
+OF_BATCH = "results/*/*/rooms.png"
+"""The results in the folder of `vdoor batch`."""
 References = dict[str, tuple[Path, str | None]]
 """Map name -> the file of its reference, and the map's key within the file if that holds several maps."""
 
@@ -68,10 +70,11 @@ def serving(name: str, references: References) -> str | None:
 
 
 def _results(path: Path) -> list[Path]:
-    """The result itself, or the results and label images in a folder, sorted by name."""
+    """The result itself, or the results and label images in a folder or batch, sorted by name."""
     if not path.is_dir() or is_result(path):
         return [path]
     found = sorted(entry for entry in path.iterdir() if is_result(entry) or entry.suffix.lower() in LABEL_SUFFIXES)
+    found = found or sorted(entry.parent for entry in path.glob(OF_BATCH))
     if not found:
         raise VdoorError(f"result: wanted rooms.png, or results or label images in the folder, found none: {path}")
     return found

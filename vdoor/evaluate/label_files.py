@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy import ndimage
 
 from vdoor.errors import VdoorError
 from vdoor.formats import MAX_CELLS, images
@@ -111,7 +111,7 @@ def rooms_of(labels: NDArray[Any], resolution_m: float) -> Labels:
 
 def labels_of_blobs(greys: NDArray[np.uint8]) -> Labels:
     """The labels (h, w) of rooms drawn white and separated by darker lines; diagonal neighbours are one room."""
-    labels, _ = ndimage.label(greys >= WHITE_FROM, structure=np.ones((3, 3)))
+    labels, _ = scipy.ndimage.label(greys >= WHITE_FROM, structure=np.ones((3, 3)))
     return np.asarray(labels, np.int32)
 
 

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from vdoor.config import with_settings
+from vdoor.engines import Over
 from vdoor.experiments.cases import Trial
-from vdoor.experiments.measure import Row, measured, summarised, warm_up
+from vdoor.experiments.measure import Row, summarised, timed
 from vdoor.method.scoring.model import model_named
 from vdoor.pipeline import METHODS, AnyPipeline, preset_named
 
@@ -77,14 +79,14 @@ def ablation(
     variants: Sequence[Variant] = VARIANTS,
     models: Sequence[Variant] = (),
     seed: int = 0,
+    over: Over = map,
 ) -> Iterator[Row]:
     """One row per variant and model, then mean and spread over the models if there are several."""
     # All settings are checked before the first run.
     pipelines = {variant.name: variant.of(pipeline) for variant in (*variants, *models)}
-    warm_up(trials, pipeline)
     found = []
     for variant in (*variants, *models):
-        row = summarised(variant.name, (measured(trial, pipelines[variant.name], seed=seed) for trial in trials))
+        row = summarised(variant.name, over(partial(timed, pipeline=pipelines[variant.name], seed=seed), trials))
         found.append(row)
         yield row
     if len(models) > 1:

@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
 import time
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from vdoor.api import prepared
+from vdoor.config import DEFAULT_PRESET
 from vdoor.emit import Emit, silent
 from vdoor.errors import MapError
 from vdoor.evaluate import Evaluation, evaluate, means, pooled, rooms_of
 from vdoor.experiments.cases import Trial
-from vdoor.pipeline import AnyPipeline
+from vdoor.pipeline import AnyPipeline, preset_named
+from vdoor.synth import PRESETS as KINDS
+from vdoor.synth import synthesize
 
 FIGURES = (
     "door_precision",
@@ -67,9 +71,17 @@ def measured(trial: Trial, pipeline: AnyPipeline, *, seed: int = 0, emit: Emit =
     return Outcome(evaluation=evaluate(division, trial.reference), cpu_s=cpu_s)
 
 
-def warm_up(trials: Sequence[Trial], pipeline: AnyPipeline) -> None:
-    """Run the smallest map once, so that no figure includes the first-time cost of libraries."""
-    measured(min(trials, key=lambda trial: trial.division.free.size), pipeline)
+def timed(trial: Trial, pipeline: AnyPipeline, *, seed: int = 0) -> Outcome:
+    """The same in a process that is warm, so that no figure includes the first-time cost of libraries."""
+    warm_up()
+    return measured(trial, pipeline, seed=seed)
+
+
+@functools.cache
+def warm_up() -> None:
+    """Run a small map once in this process."""
+    grid = synthesize(KINDS["paper"], np.random.default_rng(0)).grid
+    preset_named(DEFAULT_PRESET)(grid, np.random.default_rng(0))
 
 
 def summarised(name: str, outcomes: Iterable[Outcome]) -> Row:

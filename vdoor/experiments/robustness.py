@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Iterator, Sequence
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
+from vdoor.engines import Over
 from vdoor.evaluate import Doors
 from vdoor.experiments.cases import Trial
 from vdoor.experiments.changes import CHANGES, Change, Sheet
-from vdoor.experiments.measure import Row, measured, summarised, warm_up
+from vdoor.experiments.measure import Outcome, Row, summarised, timed
 from vdoor.frame import Frame
 from vdoor.pipeline import AnyPipeline
 
@@ -24,17 +26,19 @@ def robustness(
     *,
     changes: Sequence[Change] = CHANGES,
     seed: int = 0,
+    over: Over = map,
 ) -> Iterator[Row]:
     """One row per change, with the difference of its mean door F1 to that of the first."""
-    warm_up(trials, pipeline)
     first: float | None = None
     for change in changes:
-        row = summarised(
-            change.name,
-            (measured(changed(trial, change, np.random.default_rng(seed)), pipeline, seed=seed) for trial in trials),
-        )
+        work = partial(_timed_changed, change=change, pipeline=pipeline, seed=seed)
+        row = summarised(change.name, over(work, trials))
         first = row.figures["door_f1"] if first is None else first
         yield dataclasses.replace(row, figures=row.figures | {DIFFERENCE: row.figures["door_f1"] - first})
+
+
+def _timed_changed(trial: Trial, *, change: Change, pipeline: AnyPipeline, seed: int) -> Outcome:
+    return timed(changed(trial, change, np.random.default_rng(seed)), pipeline, seed=seed)
 
 
 def changed(trial: Trial, change: Change, rng: np.random.Generator) -> Trial:

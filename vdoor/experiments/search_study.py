@@ -7,9 +7,12 @@ import json
 from collections import deque
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import partial
+from itertools import islice
 
 import numpy as np
 
+from vdoor.engines import Over
 from vdoor.method.initial_map import InitialMap
 from vdoor.method.search.generation import Generation
 from vdoor.method.search.optimisers import ExhaustiveSearch
@@ -35,18 +38,19 @@ class Graph:
     """Mean generation in which the optimum was first reached, over the searches that reached it; nan if none did."""
 
 
-def hit_rates(pipeline: Pipeline, *, graphs: int, seeds: int) -> list[Graph]:
+def hit_rates(pipeline: Pipeline, *, graphs: int, seeds: int, over: Over = map) -> list[Graph]:
     """Results of searching the first `graphs` initial maps with 1 to 20 virtual doors, with seeds 0 to `seeds` - 1."""
-    found: list[Graph] = []
-    for seed, furniture, problem in problems(pipeline):
-        optimum = last(ExhaustiveSearch()(problem, np.random.default_rng())).best_cost
-        reached = [first_hit(pipeline, problem, optimum, number) for number in range(seeds)]
-        hits = [generation for generation in reached if generation is not None]
-        mean = float(np.mean(hits)) if hits else float("nan")
-        found.append(Graph(seed, furniture, problem.edges, optimum, len(hits), seeds, mean))
-        if len(found) == graphs:
-            break
-    return found
+    return list(over(partial(_searched, pipeline=pipeline, seeds=seeds), islice(problems(pipeline), graphs)))
+
+
+def _searched(drawn: tuple[int, bool, MergeProblem], *, pipeline: Pipeline, seeds: int) -> Graph:
+    """One initial map, searched with each seed."""
+    seed, furniture, problem = drawn
+    optimum = last(ExhaustiveSearch()(problem, np.random.default_rng())).best_cost
+    reached = [first_hit(pipeline, problem, optimum, number) for number in range(seeds)]
+    hits = [generation for generation in reached if generation is not None]
+    mean = float(np.mean(hits)) if hits else float("nan")
+    return Graph(seed, furniture, problem.edges, optimum, len(hits), seeds, mean)
 
 
 def problems(pipeline: Pipeline) -> Iterator[tuple[int, bool, MergeProblem]]:

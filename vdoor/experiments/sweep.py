@@ -5,10 +5,12 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
+from vdoor.engines import Over
 from vdoor.errors import VdoorError
 from vdoor.evaluate import Evaluation, Tally, evaluate, marked_doors, match_doors, pooled
 from vdoor.evaluate.door_places import TOLERANCES_M
@@ -75,13 +77,13 @@ class Seen(NamedTuple):
     error: str = ""
 
 
-def swept(steps: Sequence[Step], trials: Sequence[Trial]) -> Iterator[Point]:
+def swept(steps: Sequence[Step], trials: Sequence[Trial], *, over: Over = map) -> Iterator[Point]:
     """One point per step; equal runs are only done once."""
     known: dict[tuple[AnyPipeline, int], list[Seen]] = {}
     for step in steps:
         run = step.pipeline, step.seed
         if run not in known:
-            known[run] = [seen(trial, *run) for trial in trials]
+            known[run] = list(over(partial(seen, pipeline=step.pipeline, seed=step.seed), trials))
         yield point(step, known[run])
 
 

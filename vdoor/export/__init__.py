@@ -61,12 +61,12 @@ class Writer(NamedTuple):
 
 
 WRITERS = (
-    Writer("nav2-route", to_nav2_route),
+    Writer("nav2-route", to_nav2_route, takes=("annotations", "radius_m")),
     Writer("graphml", to_graphml),
     Writer("json", to_json),
     Writer("geojson", to_geojson),
     Writer("labels", to_labels, image=True),
-    Writer("keepout", to_keepout, takes=("rooms",), image=True, needs_rooms=True),
+    Writer("keepout", to_keepout, takes=("rooms", "annotations"), image=True, needs_rooms=True),
     Writer("virtual-walls", to_virtual_walls, takes=("rooms", "annotations")),
     Writer("rmf", to_rmf),
     Writer("svg", to_svg),
@@ -93,6 +93,8 @@ class Export:
     path: Path | None = None
     rooms: tuple[int | str, ...] = ()
     """Rooms by id, or as text by id, name or place."""
+    radius_m: float | None = None
+    """The robot's radius; the format's own default if None."""
 
     def __post_init__(self) -> None:
         """Check what does not need the map."""
@@ -100,6 +102,8 @@ class Export:
         if self.rooms and "rooms" not in self.writer.takes:
             takers = " or ".join(writer.name for writer in WRITERS if "rooms" in writer.takes)
             raise SettingError(f"--room: wanted the format {takers}, found {name}")
+        if self.radius_m is not None and "radius_m" not in self.writer.takes:
+            raise SettingError(f"--robot-radius: wanted the format nav2-route, found {name}")
         if self.writer.needs_rooms and not self.rooms:
             raise SettingError(f"{name}: wanted the rooms to keep open (--room of `vdoor export`), found none")
         if self.writer.image and self.path is None:
@@ -130,8 +134,14 @@ class Export:
     def content(self, finished: Finished) -> str | Raster:
         """Text or image; `VdoorError` if the map cannot be written in this format."""
         rooms = tuple(_room_id(finished.topology, room) for room in self.rooms)
-        choices = {"rooms": rooms, "provenance": finished.provenance, "annotations": finished.annotations}
-        return self.writer.write(finished.topology, **{name: choices[name] for name in self.writer.takes})
+        choices: dict[str, object] = {
+            "rooms": rooms,
+            "provenance": finished.provenance,
+            "annotations": finished.annotations,
+        }
+        choices |= {} if self.radius_m is None else {"radius_m": self.radius_m}
+        taken = {name: value for name, value in choices.items() if name in self.writer.takes}
+        return self.writer.write(finished.topology, **taken)
 
     def put(self, content: str | Raster) -> list[Path]:
         """Write the files, each atomically; `VdoorError` if they cannot be written."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
+from vdoor.engines import Over
 from vdoor.paper.door_counts import (
     FURNISHING,
     PROPOSED,
@@ -55,7 +56,7 @@ class Evidence:
     unprinted: tuple[Unprinted, ...]
 
 
-def gather_evidence(size: Size, progress: Progress = no_progress) -> Evidence:
+def gather_evidence(size: Size, progress: Progress = no_progress, over: Over = map) -> Evidence:
     """Compute everything; equal sizes give equal evidence."""
     run = figure_5_run(seed=size.seed)
     return Evidence(
@@ -64,11 +65,11 @@ def gather_evidence(size: Size, progress: Progress = no_progress) -> Evidence:
         figure_4=(crossover(), mutation()),
         rates=measured_rates(),
         figure_5=walk_through(run),
-        search=study_search(run, graphs=size.graphs, progress=progress),
+        search=study_search(run, graphs=size.graphs, progress=progress, over=over),
         table_1=(table_one(furniture=False, seed=size.seed), table_one(furniture=True, seed=size.seed)),
         studies=(
-            study_apartments(size.apartments, seed=size.seed, progress=progress),
-            study_apartments(size.apartments, furniture=True, seed=size.seed, progress=progress),
+            study_apartments(size.apartments, seed=size.seed, progress=progress, over=over),
+            study_apartments(size.apartments, furniture=True, seed=size.seed, progress=progress, over=over),
         ),
         errata=errata(run),
         unprinted=unprinted(),

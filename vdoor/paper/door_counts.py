@@ -6,6 +6,7 @@ import dataclasses
 import math
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import partial
 from types import MappingProxyType
 from typing import Any
 
@@ -13,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vdoor.baselines import ErodedSpacePipeline, VoronoiDoorsPipeline
+from vdoor.engines import Over
 from vdoor.evaluate.door_places import nearest_pairs
 from vdoor.paper.walkthrough import Progress, no_progress, paper_apartment, paper_pipeline
 from vdoor.synth import SyntheticMap
@@ -284,19 +286,35 @@ class ApartmentStudy:
 
 
 def study_apartments(
-    count: int = 200, *, furniture: bool = False, cell_m: float = 0.2, seed: int = 0, progress: Progress = no_progress
+    count: int = 200,
+    *,
+    furniture: bool = False,
+    cell_m: float = 0.2,
+    seed: int = 0,
+    progress: Progress = no_progress,
+    over: Over = map,
 ) -> ApartmentStudy:
     """Count the doors of `count` apartments; searches draw from `seed` and the three seeds after it in turn."""
     each = []
-    for number, made in enumerate(apartment_maps(count, furniture=furniture, cell_m=cell_m)):
-        if number and number % PROGRESS_EVERY == 0:
+    work = partial(_count_apartment, furniture=furniture, cell_m=cell_m, seed=seed)
+    for number, counts in enumerate(over(work, range(count)), start=1):
+        each.append(counts)
+        if number % PROGRESS_EVERY == 0 and number < count:
             progress(f"{FURNISHING[furniture]} apartments: {number} of {count}")
-        each.append(count_by_method(made, seed=seed + number % SEARCH_SEEDS))
     return ApartmentStudy(furniture=furniture, cell_m=cell_m, each=tuple(each))
+
+
+def _count_apartment(number: int, *, furniture: bool, cell_m: float, seed: int) -> dict[str, DoorCount]:
+    made = apartment_map(number, furniture=furniture, cell_m=cell_m)
+    return count_by_method(made, seed=seed + number % SEARCH_SEEDS)
 
 
 def apartment_maps(count: int, *, furniture: bool, cell_m: float) -> Iterator[SyntheticMap]:
     """Apartments of the paper's kind with 4 to 6 rooms in turn, drawn from seeds 1000 and up."""
-    for number in range(count):
-        rooms = ROOMS[number % len(ROOMS)]
-        yield paper_apartment(FIRST_SEED + number, rooms=rooms, furniture=furniture, cell_m=cell_m)
+    yield from (apartment_map(number, furniture=furniture, cell_m=cell_m) for number in range(count))
+
+
+def apartment_map(number: int, *, furniture: bool, cell_m: float) -> SyntheticMap:
+    """One of these apartments, from 0."""
+    rooms = ROOMS[number % len(ROOMS)]
+    return paper_apartment(FIRST_SEED + number, rooms=rooms, furniture=furniture, cell_m=cell_m)

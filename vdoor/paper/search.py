@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
+from vdoor.engines import Over
 from vdoor.experiments.search_study import GROUPS, Graph, first_hit, hit_rates
 from vdoor.method.initial_map import InitialMap
 from vdoor.method.search.optimisers import ExhaustiveSearch
@@ -91,12 +93,14 @@ class SearchStudy:
         return found
 
 
-def study_search(run: MethodRun, *, graphs: int = 60, progress: Progress = no_progress) -> SearchStudy:
+def study_search(
+    run: MethodRun, *, graphs: int = 60, progress: Progress = no_progress, over: Over = map
+) -> SearchStudy:
     """The search of a run held against the optimum, and searches of `graphs` maps with 1 to 20 virtual doors."""
     problem = MergeProblem(run.get(InitialMap), paper_pipeline().cost)
     optimum = list(ExhaustiveSearch()(problem, np.random.default_rng()))[-1].best_cost
     progress(f"searching the walk-through's map {SEEDS} times")
-    reached = tuple(first_hit(paper_pipeline(), problem, optimum, seed) for seed in range(SEEDS))
+    reached = tuple(over(partial(first_hit, paper_pipeline(), problem, optimum), range(SEEDS)))
     progress(f"searching {graphs} maps {SEARCHES} times each")
     return SearchStudy(
         edges=problem.edges,
@@ -106,7 +110,7 @@ def study_search(run: MethodRun, *, graphs: int = 60, progress: Progress = no_pr
         evaluations=run.counts.evaluations,
         all_evaluations=run.search[-1].evaluations,
         reached=reached,
-        graphs=tuple(hit_rates(paper_pipeline(), graphs=graphs, seeds=SEARCHES)),
+        graphs=tuple(hit_rates(paper_pipeline(), graphs=graphs, seeds=SEARCHES, over=over)),
     )
 
 

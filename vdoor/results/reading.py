@@ -29,7 +29,7 @@ from vdoor.recording.mcap import read_recording
 from vdoor.results.annotations import read_table as annotations_in
 from vdoor.results.segments import named_by_robot
 from vdoor.results.writing import GREY_FREE, GREY_OCCUPIED, NAMES, SCHEMA
-from vdoor.topology import KINDS, Door, TopologicalMap, signed_area_m2
+from vdoor.topology import KINDS, Door, TopologicalMap
 
 Ints = NDArray[np.int32]
 Feature = tuple[int, bool, tuple[float, float]]
@@ -104,7 +104,6 @@ def read_result(folder: Path, *, provenance: bool = False) -> Finished:
         features = [feature for table in document["rooms"] for feature in _features(table)]
         names = {table["id"]: _text(table.get("name", "")) for table in document["rooms"]}
         topology = _assembled(labels, _frame(document, labels.shape), doors, features, names)
-        _refuse_parts(topology)
         table = document.get("annotations")
         annotations = annotations_in(table, (labels.shape[0], labels.shape[1])) if table else None
         origin = _provenance(folder, document, topology.frame) if provenance else None
@@ -202,14 +201,6 @@ def _door(table: dict[str, Any], rooms: set[int]) -> Door:
 def _features(table: dict[str, Any]) -> Iterator[Feature]:
     for corner in table["corners"]:
         yield table["id"], corner["kind"] == "convex", _point(corner["point_m"])
-
-
-def _refuse_parts(topology: TopologicalMap) -> None:
-    """Raise `VdoorError` if a room has several parts, that is, several outer rings."""
-    for room in topology.rooms:
-        outer, *holes = (signed_area_m2(ring) < 0 for ring in room.polygon_m)
-        if outer in holes:
-            raise VdoorError(f"rooms.png: wanted room {room.id} in one part, found several")
 
 
 def _radians(angle_deg: NDArray[np.float64]) -> NDArray[np.float64]:

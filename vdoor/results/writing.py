@@ -32,6 +32,16 @@ GREY_OCCUPIED, GREY_UNKNOWN, GREY_FREE = 0, 205, 254
 
 def write_result(folder: Path, grid: OccupancyGrid, topology: TopologicalMap, document: Mapping[str, Any]) -> None:
     """Write the four files into `folder`, created if missing; each file appears once it is complete."""
+    contents = contents_of(folder, grid, topology, document)
+    make_folder(folder)
+    for name, content in contents:
+        write_whole(folder / name, content)
+
+
+def contents_of(
+    folder: Path, grid: OccupancyGrid, topology: TopologicalMap, document: Mapping[str, Any]
+) -> list[tuple[str, bytes]]:
+    """The four files that are to be written into `folder`, by name; map.json is the last."""
     refuse_high_ids(folder, topology)
     contents = (
         png(topology.labels.astype(np.uint16)),
@@ -39,9 +49,7 @@ def write_result(folder: Path, grid: OccupancyGrid, topology: TopologicalMap, do
         png(greys(grid)),
         (json.dumps(document, indent=1, allow_nan=False) + "\n").encode(),
     )
-    make_folder(folder)
-    for name, content in zip(NAMES, contents, strict=True):
-        write_whole(folder / name, content)
+    return list(zip(NAMES, contents, strict=True))
 
 
 def refuse_high_ids(folder: Path, topology: TopologicalMap) -> None:

@@ -11,10 +11,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import scipy
 import yaml
 from numpy.typing import NDArray
 from PIL import Image
-from scipy import ndimage
 
 from vdoor.files import make_folder, write_whole
 from vdoor.frame import Frame
@@ -80,7 +80,7 @@ def with_truth(cells: Cells, placed: Placed, opened: Sequence[Opened], settings:
 
 def in_reach(rooms: Rooms, free: NDArray[np.bool_]) -> Rooms:
     """Return the rooms without what is not 4-connected to most of them over free cells."""
-    part, _ = ndimage.label(free)
+    part, _ = scipy.ndimage.label(free)
     main = np.bincount(part[rooms > 0], minlength=1).argmax()
     return np.where(part == main, rooms, 0).astype(np.int32)
 

@@ -101,7 +101,11 @@ Draw = Callable[[], TrainingMap]
 
 def known(training_map: TrainingMap) -> Draw:
     """Draw that returns a given training map."""
-    return lambda: training_map
+    return partial(_given, training_map)
+
+
+def _given(training_map: TrainingMap) -> TrainingMap:
+    return training_map
 
 
 def synthetic_maps(homes: int, offices: int, seed: int) -> list[Draw]:
@@ -140,6 +144,11 @@ def examples(training_map: TrainingMap, pipeline: Pipeline, first_pass: Curves |
             simplified, path, corners, doors, first_pass=first_pass, share_rough=share_rough
         )
     return Examples(feature, label, weight * training_map.weight, share_rough)
+
+
+def drawn_examples(draw: Draw, *, pipeline: Pipeline, first_pass: Curves | None = None) -> Examples:
+    """The examples of a map that is drawn where they are made."""
+    return examples(draw(), pipeline, first_pass)
 
 
 def judged(start_m: Floats, end_m: Floats, real: RealDoors) -> tuple[Floats, Floats]:

@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.optimize import minimize
 
+from vdoor.engines import Over
 from vdoor.errors import VdoorError
 from vdoor.method.scoring.closed_features import SHUT
 from vdoor.method.scoring.features import FEATURES, FIRST
 from vdoor.method.scoring.model import Curve, Curves, DoorModel, Rough
 from vdoor.pipeline import Pipeline
-from vdoor.train.examples import Draw, Examples, examples
+from vdoor.train.examples import Draw, Examples, drawn_examples
 
 Floats = NDArray[np.float64]
 
@@ -26,10 +28,13 @@ SMOOTH, RIDGE, TOGETHER = 10.0, 2.0, 10.0
 """Weights of the penalties on bends, on values, and on differences between the curves of clean and rough maps."""
 
 
-def fitted_model(training_maps: Sequence[Draw], pipeline: Pipeline, made: dict[str, Any]) -> DoorModel:
+def fitted_model(
+    training_maps: Sequence[Draw], pipeline: Pipeline, made: dict[str, Any], *, over: Over = map
+) -> DoorModel:
     """Curves for both passes; the numbers of examples and real doors are added to `made`."""
-    first = fitted([examples(training_map(), pipeline) for training_map in training_maps[::FIRST_EVERY]], FIRST)
-    data = [examples(training_map(), pipeline, first) for training_map in training_maps]
+    drawn = training_maps[::FIRST_EVERY]
+    first = fitted(list(over(partial(drawn_examples, pipeline=pipeline), drawn)), FIRST)
+    data = list(over(partial(drawn_examples, pipeline=pipeline, first_pass=first), training_maps))
     count = sum(int((part.weight > 0).sum()) for part in data)
     real = sum(int(part.real.sum()) for part in data)
     return DoorModel(
@@ -116,7 +121,9 @@ def likeliest(basis: Floats, real: Floats, weight: Floats, penalty: Floats) -> F
         value = float((weight * (np.logaddexp(0, z) - real * z)).sum()) + 0.5 * float(c @ gradient)
         return value, basis.T @ (weight * (1 / (1 + np.exp(-z)) - real)) + gradient
 
-    found = minimize(loss, np.zeros(basis.shape[1]), jac=True, method="L-BFGS-B", options={"maxiter": 400})
+    found = scipy.optimize.minimize(
+        loss, np.zeros(basis.shape[1]), jac=True, method="L-BFGS-B", options={"maxiter": 400}
+    )
     return np.asarray(found.x)
 
 

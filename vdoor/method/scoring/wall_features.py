@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy import ndimage
 
 from vdoor.grid import FREE, OCCUPIED
 from vdoor.method.scoring.segments import Segments
@@ -61,8 +61,10 @@ def ends_known(simplified: SimplifiedGrid, door: Segments) -> dict[str, Floats]:
     """The share of wall cells among the cells around each end that are not free; the minimum over the ends."""
     occupied = (simplified.cells == OCCUPIED).astype(np.float64)
     window = 2 * max(1, round(JAMB_M / door.cell_m)) + 1
-    share = Padded(ndimage.uniform_filter(occupied, window, mode="constant"), 0.0)
-    solid = Padded(ndimage.uniform_filter((simplified.cells != FREE).astype(np.float64), window, mode="nearest"), 1.0)
+    share = Padded(scipy.ndimage.uniform_filter(occupied, window, mode="constant"), 0.0)
+    solid = Padded(
+        scipy.ndimage.uniform_filter((simplified.cells != FREE).astype(np.float64), window, mode="nearest"), 1.0
+    )
     ends = np.stack([share.at(*p.T) / np.maximum(solid.at(*p.T), 1e-9) for p in (door.start, door.end)])
     return {"end_is_wall": ends.astype(np.float64).min(axis=0)}
 

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import Annotated, ClassVar, cast
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
 
 from vdoor.config import Within
 from vdoor.method.search.generation import Generation
@@ -106,7 +106,7 @@ def gain_of_many(problem: MergeProblem, doors: Index, most_nodes: int) -> float:
     if not pairs.shape[1]:
         return float(gain.sum())
     row = np.tile(np.arange(pairs.shape[1]), 2)
-    matrix = coo_array((np.ones(len(row)), (row, pairs.ravel())), shape=(pairs.shape[1], problem.edges))
+    matrix = scipy.sparse.coo_array((np.ones(len(row)), (row, pairs.ravel())), shape=(pairs.shape[1], problem.edges))
     for whole in (1, 0):
         solved = milp(
             -gain,
@@ -151,7 +151,7 @@ def _touching(problem: MergeProblem) -> Index:
     count = np.diff(np.append(problem.cover_start, len(problem.cover_edge)))
     node = problem.regions + np.repeat(np.arange(len(count)), count)
     size = problem.edges, len(problem.cells)
-    covers = coo_array((np.ones(len(node)), (problem.cover_edge, node)), shape=size).tocsr()
-    links = coo_array((np.ones(len(problem.links[0])), problem.links), shape=(size[1], size[1])).tocsr()
+    covers = scipy.sparse.coo_array((np.ones(len(node)), (problem.cover_edge, node)), shape=size).tocsr()
+    links = scipy.sparse.coo_array((np.ones(len(problem.links[0])), problem.links), shape=(size[1], size[1])).tocsr()
     beside = covers @ (links + links.T)
     return np.stack((covers @ covers.T + beside @ covers.T).nonzero())

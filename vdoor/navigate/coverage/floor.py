@@ -10,10 +10,10 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 import shapely
 import shapely.affinity
 from numpy.typing import NDArray
-from scipy import ndimage
 
 from vdoor.navigate.coverage.path import norms
 from vdoor.navigate.space import Space, grown
@@ -102,7 +102,7 @@ def _holds_any(part: shapely.Polygon, centres: Mask) -> bool:
 
 def outlines(cells: Mask) -> list[shapely.Polygon]:
     """The outlines of the connected parts of `cells` (h, w), along cell edges."""
-    label, count = ndimage.label(cells)
+    label, count = scipy.ndimage.label(cells)
     if not count:
         return []
     vertex, owner, ring = polygons(label.astype(np.int32))
@@ -131,7 +131,7 @@ def parts_of(shape: shapely.Geometry) -> list[shapely.Polygon]:
 def room_parts(floor: shapely.MultiPolygon, labels: Ints) -> list[Part]:
     """The connected parts of each room's floor, by room; `labels` (h, w) as in the topological map."""
     found = []
-    for room, box in enumerate(ndimage.find_objects(labels), start=1):
+    for room, box in enumerate(scipy.ndimage.find_objects(labels), start=1):
         if box is None:
             continue
         corner = np.array([box[0].start, box[1].start], np.float64)

@@ -5,11 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 import shapely
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components, dijkstra
-from scipy.spatial import Delaunay, QhullError, cKDTree
 
 from vdoor.navigate.coverage.floor import SNAP, enlarged
 from vdoor.navigate.coverage.path import norms
@@ -50,8 +48,10 @@ class Net:
         pair = np.unique(np.sort(np.concatenate([*sure, seen]), axis=1), axis=0)
         pair = np.concatenate([pair, _bridges(node, pair, inside)])
         length = np.maximum(norms(node[pair[:, 0]] - node[pair[:, 1]]), SHORTEST)
-        graph = coo_array((length, (pair[:, 0], pair[:, 1])), shape=(len(node), len(node))).tocsr()
-        distance, before = dijkstra(graph, directed=False, indices=np.arange(places), return_predecessors=True)
+        graph = scipy.sparse.coo_array((length, (pair[:, 0], pair[:, 1])), shape=(len(node), len(node))).tocsr()
+        distance, before = scipy.sparse.csgraph.dijkstra(
+            graph, directed=False, indices=np.arange(places), return_predecessors=True
+        )
         return cls(node, of, distance[np.ix_(of, of)], before)
 
     def way(self, start: int, end: int) -> Floats:
@@ -83,11 +83,11 @@ def _pairs(node: Floats, points: int) -> Ints:
     """Pairs of nodes that may see each other: neighbours in a triangulation, and the nearest of each point."""
     tried = [np.zeros((0, 2), np.intp)]
     try:
-        corners = Delaunay(node).simplices.astype(np.intp)
+        corners = scipy.spatial.Delaunay(node).simplices.astype(np.intp)
         tried += [corners[:, [0, 1]], corners[:, [1, 2]], corners[:, [0, 2]]]
-    except QhullError:
+    except scipy.spatial.QhullError:
         pass  # too few nodes, or all in one line: the nearest are enough
-    near = cKDTree(node[:points]).query(node[:points], k=np.arange(1, min(NEAREST + 1, points) + 1))[1]
+    near = scipy.spatial.cKDTree(node[:points]).query(node[:points], k=np.arange(1, min(NEAREST + 1, points) + 1))[1]
     tried.append(np.stack([np.repeat(np.arange(points), near.shape[1]), near.reshape(-1)], axis=1))
     pair = np.unique(np.sort(np.concatenate(tried), axis=1), axis=0)
     return pair[pair[:, 0] < pair[:, 1]]
@@ -95,12 +95,12 @@ def _pairs(node: Floats, points: int) -> Ints:
 
 def _bridges(node: Floats, pair: Ints, inside: shapely.Geometry) -> Ints:
     """Lines that join the parts of the net: each node of a smaller part is tried with the nearest of the others."""
-    graph = coo_array((np.ones(len(pair)), (pair[:, 0], pair[:, 1])), shape=(len(node), len(node)))
-    count, part = connected_components(graph, directed=False)
+    graph = scipy.sparse.coo_array((np.ones(len(pair)), (pair[:, 0], pair[:, 1])), shape=(len(node), len(node)))
+    count, part = scipy.sparse.csgraph.connected_components(graph, directed=False)
     if count == 1:
         return np.zeros((0, 2), np.intp)
     largest = part == np.bincount(part).argmax()
     small, large = np.flatnonzero(~largest), np.flatnonzero(largest)
-    near = cKDTree(node[large]).query(node[small], k=np.arange(1, min(4 * NEAREST, len(large)) + 1))[1]
+    near = scipy.spatial.cKDTree(node[large]).query(node[small], k=np.arange(1, min(4 * NEAREST, len(large)) + 1))[1]
     tried = np.stack([np.repeat(small, near.shape[1]), large[near.reshape(-1)]], axis=1)
     return tried[shapely.covers(inside, shapely.linestrings(node[tried]))]

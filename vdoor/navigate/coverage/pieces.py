@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
+import scipy
 import shapely
 from numpy.typing import NDArray
-from scipy import ndimage
 
 from vdoor.navigate.coverage.path import norms
 
@@ -81,7 +81,7 @@ def lanes(rest: Rest, part: shapely.Polygon, width: float) -> list[Piece]:
     """
     uncovered, side = rest.uncovered, rest.side
     least = rest.least_area * (width / side) ** 2
-    patch, count = ndimage.label(uncovered, np.ones((3, 3)))
+    patch, count = scipy.ndimage.label(uncovered, np.ones((3, 3)))
     own = patch[uncovered]
     cell = rest.at[np.argsort(own, kind="stable")]
     ends = np.cumsum(np.bincount(own, minlength=count + 1))

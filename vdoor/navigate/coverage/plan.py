@@ -8,9 +8,9 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+import scipy
 import shapely
 from numpy.typing import NDArray
-from scipy import ndimage
 
 from vdoor.navigate.coverage.floor import Part, floor_of, inset_of, nearest_on, room_parts
 from vdoor.navigate.coverage.net import Net
@@ -124,7 +124,7 @@ class Site:
         found = np.zeros(self.labels.shape, np.bool_)
         for cell in (np.floor(beside), np.ceil(beside)):
             found[tuple(cell.astype(np.intp).T)] = True
-        near = ndimage.binary_dilation(found)
+        near = scipy.ndimage.binary_dilation(found)
         return finer(near, self.tool.fine)
 
     def pieces(self, part: Part) -> list[Piece]:

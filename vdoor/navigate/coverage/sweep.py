@@ -8,8 +8,8 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy import ndimage
 
 Mask = NDArray[np.bool_]
 Ints = NDArray[np.intp]
@@ -106,7 +106,7 @@ class Tool:
     @cached_property
     def _free(self) -> Floats:
         """How far each cell (h w,) is at least from the nearest blocked one, from centre to edge, in the raster."""
-        return np.asarray(ndimage.distance_transform_edt(~self.blocked) - math.sqrt(0.5)).reshape(-1)
+        return np.asarray(scipy.ndimage.distance_transform_edt(~self.blocked) - math.sqrt(0.5)).reshape(-1)
 
     def _seen(self, start: Floats, end: Floats, found: Swept) -> Mask:
         """Whether the straight line from the nearest point of the segment to the cell is free."""

@@ -8,10 +8,9 @@ from itertools import combinations, pairwise
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 import shapely
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import dijkstra
 
 from vdoor.navigate.coverage.net import Net
 from vdoor.navigate.order import best_order
@@ -76,8 +75,8 @@ class Parts:
             inside[int(shapely.distance(floors, end).argmin())].append(number)
         pair = np.array([pair for own in inside for pair in combinations(own, 2)], np.intp)
         length = net.distance[pair[:, 0], pair[:, 1]]
-        graph = coo_array((length, (pair[:, 0], pair[:, 1])), shape=net.distance.shape).tocsr()
-        return cls(net, *dijkstra(graph, directed=False, return_predecessors=True), len(points))
+        graph = scipy.sparse.coo_array((length, (pair[:, 0], pair[:, 1])), shape=net.distance.shape).tocsr()
+        return cls(net, *scipy.sparse.csgraph.dijkstra(graph, directed=False, return_predecessors=True), len(points))
 
     def round(self, wanted: Sequence[int], *, ends: bool, ordered: bool = False) -> Round:
         """Visits to the parts `wanted` that can be reached, to the end if it `ends`.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import subprocess
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -34,7 +34,7 @@ class Shot:
 
 
 def shots(
-    recording: Path, *, tabs: tuple[str, ...] | None = None, size: tuple[int, int] = (1600, 1000)
+    recording: Path, *, tabs: Sequence[str] | None = None, size: tuple[int, int] = (1600, 1000)
 ) -> Iterator[Shot]:
     """Screenshots of each tab, or of `tabs`, at the end of the recording; `VdoorError` if they cannot be made."""
     with headless(recording, size) as client:

@@ -19,10 +19,12 @@ import rerun.blueprint as rrb
 
 from vdoor.emit import RunInfo
 from vdoor.errors import VdoorError, say
+from vdoor.explain.stages import sentence_of, tabs_of
 from vdoor.files import partial_name
+from vdoor.pipeline import emitted
 from vdoor.record import Record
-from vdoor.viz.rerun.blueprint import blueprint, description
-from vdoor.viz.rerun.draw import DRAW, draw_any
+from vdoor.viz.rerun.blueprint import blueprint, description, says
+from vdoor.viz.rerun.draw import draw_record
 from vdoor.viz.rerun.program import HOST, end, free_port, listening, start, wait_until_listening
 from vdoor.viz.rerun.scene import Scene
 
@@ -52,7 +54,9 @@ class RerunSink:
         self._stream: rr.RecordingStream | None = stream
         self._server = server
         self._scene = Scene(stream)
-        self._scene.remembered["threshold_deg"] = info.settings.get("candidates", {}).get("angle_deg", 155.0)
+        self._scene.threshold_deg = info.settings.get("candidates", {}).get("angle_deg", self._scene.threshold_deg)
+        for tab in tabs_of(emitted(info), info.settings):
+            self._scene.keep(says(tab), rr.TextDocument(sentence_of(tab), media_type="text/markdown"))
         self._scene.keep("description", rr.TextDocument(described(info), media_type="text/markdown"))
 
     @classmethod
@@ -110,7 +114,7 @@ class RerunSink:
             check_room(self.path, record)
         with errors_at(self.path):
             self._scene.begin(step, record.topic)
-            DRAW.get(type(record), draw_any)(self._scene, record)
+            draw_record(self._scene, record)
             self._stream.flush(timeout_sec=FLUSH_S)
 
     def close(self) -> None:
