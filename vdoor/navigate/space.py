@@ -45,7 +45,7 @@ class Space:
     def of(cls, blocked: Mask, frame: Frame, radius_m: float) -> Space:
         """The space of a robot of that radius; everything outside the map is blocked."""
         radius = radius_m / frame.resolution_m
-        return cls(frame, blocked, radius_m, ~_grown(blocked, radius, 0.0), ~_grown(blocked, radius, 0.5))
+        return cls(frame, blocked, radius_m, ~grown(blocked, radius, 0.0), ~grown(blocked, radius, 0.5))
 
     @cached_property
     def parts(self) -> Ints:
@@ -89,8 +89,11 @@ class Space:
         ]
 
 
-def _grown(blocked: Mask, radius: float, offset: float) -> Mask:
-    """The lattice points nearer than `radius` cells to a blocked cell: centres (offset 0) or inner corners (0.5)."""
+def grown(blocked: Mask, radius: float, offset: float = 0.0) -> Mask:
+    """The lattice points nearer than `radius` cells to a blocked cell: centres (offset 0) or inner corners (0.5).
+
+    Everything outside the map is blocked.
+    """
     pad = int(np.ceil(radius)) + 1
     padded = np.pad(blocked, pad, constant_values=True)
     reach = np.arange(-pad, pad + 1) - offset  # from a point to cell rows, or columns

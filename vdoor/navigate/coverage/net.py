@@ -9,7 +9,7 @@ import scipy
 import shapely
 from numpy.typing import NDArray
 
-from vdoor.navigate.coverage.floor import SNAP, grown
+from vdoor.navigate.coverage.floor import SNAP, enlarged
 from vdoor.navigate.coverage.path import norms
 
 Ints = NDArray[np.intp]
@@ -26,36 +26,49 @@ class Net:
     """Shortest ways between some points, over each other and over the corners of the floor."""
 
     point: Floats
-    """Row, col of the points and then the corners (k, 2)."""
+    """Row, col of the places of the points, each once, and then the corners (k, 2)."""
+    node: Ints
+    """The node (n,) of each point."""
     distance: Floats
-    """Length of the way between two of the points, in cells; infinite without one."""
+    """Length of the way between two of the points (n, n), in cells; infinite without one."""
     before: NDArray[np.int32]
-    """The node before each node on the way from each point; negative for none."""
+    """The node before each node on the way from each of the places; negative for none."""
 
     @classmethod
     def over(cls, floor: shapely.Polygon | shapely.MultiPolygon, points: Floats, lines: Ints | None = None) -> Net:
         """The net of points (k, 2) inside `floor`; `lines` (n, 2) between points are known to stay inside."""
         corners, sides = _corners(floor)
-        node = np.concatenate([points, corners])
-        sure = [sides + len(points), *([] if lines is None else [lines])]
-        inside = grown(floor, SNAP)
-        tried = _pairs(node, len(points))
+        node, of = _different(np.concatenate([points, corners]))
+        of, sides = of[: len(points)], of[len(points) + sides]
+        places = int(of.max()) + 1
+        sure = [sides, *([] if lines is None else [of[lines]])]
+        inside = enlarged(floor, SNAP)
+        tried = _pairs(node, places)
         seen = tried[shapely.covers(inside, shapely.linestrings(node[tried]))]
         pair = np.unique(np.sort(np.concatenate([*sure, seen]), axis=1), axis=0)
         pair = np.concatenate([pair, _bridges(node, pair, inside)])
         length = np.maximum(norms(node[pair[:, 0]] - node[pair[:, 1]]), SHORTEST)
         graph = scipy.sparse.coo_array((length, (pair[:, 0], pair[:, 1])), shape=(len(node), len(node))).tocsr()
         distance, before = scipy.sparse.csgraph.dijkstra(
-            graph, directed=False, indices=np.arange(len(points)), return_predecessors=True
+            graph, directed=False, indices=np.arange(places), return_predecessors=True
         )
-        return cls(node, distance[:, : len(points)], before)
+        return cls(node, of, distance[np.ix_(of, of)], before)
 
     def way(self, start: int, end: int) -> Floats:
         """Row, col of the nodes on the way from one point to another, both included."""
-        nodes = [end]
-        while nodes[-1] != start:
-            nodes.append(int(self.before[start, nodes[-1]]))
+        first, nodes = self.node[start], [int(self.node[end])]
+        while nodes[-1] != first:
+            nodes.append(int(self.before[first, nodes[-1]]))
         return self.point[nodes[::-1]]
+
+
+def _different(point: Floats) -> tuple[Floats, Ints]:
+    """The different points in their order, and which of them each is."""
+    _, first, of = np.unique(point, axis=0, return_index=True, return_inverse=True)
+    order = np.argsort(first)
+    rank = np.empty_like(order)
+    rank[order] = np.arange(len(order))
+    return point[first[order]], rank[of]
 
 
 def _corners(floor: shapely.Geometry) -> tuple[Floats, Ints]:

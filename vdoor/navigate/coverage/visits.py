@@ -110,7 +110,7 @@ class Parts:
     def _way(self, points: Sequence[int]) -> Floats:
         """The way over some points of the net."""
         ways = [self.net.way(one, other) for one, other in pairwise(points)]
-        return np.concatenate([self.net.point[points[:1]], *ways])
+        return np.concatenate([self.net.point[self.net.node[points[:1]]], *ways])
 
 
 def crossings_of(floors: Sequence[shapely.Polygon]) -> list[Crossing]:
