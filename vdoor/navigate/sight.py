@@ -69,7 +69,7 @@ def least_clearance(space: Space, points: Floats, *, most_m: float = 2.0) -> flo
     """
     most = most_m / space.frame.resolution_m
     starts, ends = (points[:-1], points[1:]) if len(points) > 1 else (points, points)
-    near = min(1.1 * space.radius_m / space.frame.resolution_m, most)
+    near = min(max(1.1 * space.radius_m / space.frame.resolution_m, 1.0), most)
     while True:  # as a rule a path comes as near to something as it may, so that few cells have to be looked at
         found = _least(space.blocked, starts, ends, near)
         if found < near or near >= most:
