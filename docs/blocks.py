@@ -34,7 +34,7 @@ FLAT = HOME / "recordings" / "flat.yaml"
 NOT_RUN = {
     "vdoor view": "needs a screen",
     "vdoor step": "needs a terminal",
-    "vdoor shot": "needs a Vulkan driver, and seconds a picture",
+    "vdoor shot": "takes seconds, and a Vulkan driver of an .rrd",
     "vdoor run map.yaml --spawn": "needs a screen",
     "vdoor run map.yaml --serve": "ends when its reader ends it",
     "vdoor run map.yaml --connect": "needs a viewer that runs",

@@ -154,7 +154,7 @@ def test_a_file_that_is_no_toml_is_named_last(tmp_path: Path) -> None:
         path.write_bytes(content)
         with pytest.raises(SettingError, match=r"settings file: wanted TOML, found: .*broken\.toml$"):
             read_toml(path)
-    with pytest.raises(SettingError, match=r"settings file: No such file or directory: .*missing\.toml$"):
+    with pytest.raises(SettingError, match=r"file: wanted settings as TOML, found none: .*missing\.toml$"):
         read_toml(tmp_path / "missing.toml")
 
 

@@ -17,6 +17,7 @@ from vdoor.emit import Emit, RunInfo, silent
 from vdoor.errors import MapError, MapWarning
 from vdoor.formats import described, read_annotations
 from vdoor.grid import OccupancyGrid, Source
+from vdoor.memory import available_bytes, refuse_too_large
 from vdoor.method.simplify import SimplifyGrid
 from vdoor.pipeline import METHODS, AnyPipeline, preset_named
 from vdoor.topology import TopologicalMap
@@ -62,9 +63,10 @@ def run(
 def run_prepared(grid: OccupancyGrid, pipeline: AnyPipeline, *, seed: int = 0, emit: Emit = silent) -> TopologicalMap:
     """The topological map of `grid` by a pipeline used as it is, without the robot's position from the map file.
 
-    Raises MapError, with the map's name and its cells in counts, if there is nothing to divide.
+    Raises MapError, with the map's name and its cells in counts, if there is nothing to divide, or too little memory.
     """
     try:
+        refuse_too_large(grid.cells.size, pipeline.simplify.factor(grid.frame), available_bytes())
         topology = pipeline(grid, np.random.default_rng(seed), emit)
     except MapError as error:
         raise MapError(f"{error}; {described(grid)}") from error

@@ -9,18 +9,20 @@ import itertools
 import json
 import math
 import textwrap
-import tomllib
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any, TypeVar, get_args, get_type_hints
 
 from vdoor.errors import SettingError, no_such
+from vdoor.files import read_regular
 
 T = TypeVar("T")
 Choices = Mapping[str, Mapping[str, type]]
 """Stages with alternative classes: stage -> value of its ``method`` -> class."""
 
 METHOD = "method"
+MOST_BYTES = 1 << 24
+"""Largest size of a settings file."""
 DEFAULT_PRESET = "default"
 """The preset used if none is named, in the command and in Python."""
 
@@ -132,16 +134,20 @@ def _check_name(name: str, known: Iterable[str], place: str, what: str) -> None:
 
 def read_toml(path: Path) -> dict[str, Any]:
     """The tables of a TOML settings file; raises SettingError if it cannot be read."""
+    import tomllib  # noqa: PLC0415  # its grammar is compiled when it is loaded
+
     try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        return tomllib.loads(read_regular(path, "settings as TOML", limit=MOST_BYTES, error=SettingError).decode())
+    except SettingError:
+        raise
+    except (ValueError, RecursionError) as error:  # ValueError: also for a number with thousands of digits
         raise SettingError(f"settings file: wanted TOML, found: {error}: {path}") from error
-    except OSError as error:
-        raise SettingError(f"settings file: {error.strerror}: {path}") from error
 
 
 def parse_assignments(assignments: Iterable[str]) -> dict[str, dict[str, Any]]:
     """Tables from ``stage.field=value``; values are TOML, bare words are strings."""
+    import tomllib  # noqa: PLC0415  # its grammar is compiled when it is loaded
+
     tables: dict[str, dict[str, Any]] = {}
     for text in assignments:
         name, equals, value = text.partition("=")
@@ -150,7 +156,7 @@ def parse_assignments(assignments: Iterable[str]) -> dict[str, dict[str, Any]]:
             raise SettingError(f"--set: wanted stage.field=value, found {text!r}")
         try:
             parsed = tomllib.loads(f"value = {value}")["value"]
-        except tomllib.TOMLDecodeError:
+        except (ValueError, RecursionError):
             parsed = value.strip()
         tables.setdefault(stage, {})[field] = parsed
     return tables

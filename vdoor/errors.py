@@ -1,9 +1,12 @@
 """Errors that the user can fix, and how they are reported: one line on stderr."""
 
+import contextlib
 import difflib
 import re
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
 
 
 class VdoorError(ValueError):
@@ -26,6 +29,16 @@ class RecordingError(VdoorError):
     """A recording that is damaged, not vdoor's, or of another schema."""
 
 
+@contextmanager
+def naming(path: Path, kind: type[VdoorError] = VdoorError) -> Iterator[None]:
+    """Append a file's path to errors of a kind about its content, unless they end with it."""
+    try:
+        yield
+    except kind as error:
+        text = str(error)
+        raise type(error)(text if text.endswith(str(path)) else f"{text}: {path}") from error
+
+
 def no_such(what: str, word: str, known: Iterable[str]) -> str:
     """Text for a word that is none of the known ones: the one that was probably meant, or all of them."""
     known = list(known)
@@ -36,8 +49,14 @@ def no_such(what: str, word: str, known: Iterable[str]) -> str:
 
 
 def say(text: str) -> None:
-    """Write one line to stderr, prefixed with the program's name, without control codes that files may hold."""
-    sys.stderr.write(f"vdoor: {printable(' '.join(text.splitlines()))}\n")
+    """Write one line to stderr, prefixed with the program's name, without control codes that files may hold.
+
+    Does nothing if there is no stderr or it cannot be written.
+    """
+    if sys.stderr is not None:
+        with contextlib.suppress(OSError):
+            sys.stderr.write(f"vdoor: {printable(' '.join(text.splitlines()))}\n")
+            sys.stderr.flush()
 
 
 NOT_PRINTABLE = re.compile(r"[^\t\n\x20-\x7e\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")

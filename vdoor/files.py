@@ -1,8 +1,7 @@
-"""Files that get their final name only once they are complete, and the one way to open a file for reading."""
+"""The one way to open a file for reading, and what is refused as the name of a file to write."""
 
 from __future__ import annotations
 
-import contextlib
 import os
 import stat
 from collections.abc import Iterable
@@ -47,26 +46,6 @@ def partial_name(path: Path) -> Path:
     return path.with_name(f"{path.name}.partial")
 
 
-def give_name(path: Path) -> None:
-    """Rename a complete file from its partial name to its own; raises VdoorError if that fails."""
-    try:
-        partial_name(path).replace(path)
-    except OSError as error:
-        raise VdoorError(f"output: cannot be renamed ({error.strerror}): {path}") from error
-
-
-def write_whole(path: Path, content: bytes) -> Path:
-    """Write a file under its partial name, then rename it; raises VdoorError if that fails."""
-    partial = partial_name(path)
-    try:
-        partial.write_bytes(content)
-        return partial.replace(path)
-    except OSError as error:
-        with contextlib.suppress(OSError):  # a read-only folder does not allow that either
-            partial.unlink(missing_ok=True)
-        raise VdoorError(f"output: cannot be written ({error.strerror}): {path}") from error
-
-
 def make_folder(path: Path) -> Path:
     """The folder, created with its parents if missing; raises VdoorError if that fails."""
     try:
@@ -99,13 +78,20 @@ def refuse_existing(
         if not path.name:
             raise VdoorError(f"output: wanted a file name, found a folder: {path}")
         for name in (path, partial_name(path)):
-            refuse_place(name, force=force or (name != path and name == recovers))
+            refuse_place(name, force=force or (name != path and (name == recovers or is_empty(name))))
+            if name != path and name.is_symlink():
+                raise VdoorError(f"output: wanted no link under the name of a file being written, found one: {name}")
             place = name.parent.resolve() / name.name
             if place in seen:
                 raise VdoorError(f"output: wanted a different name for each file, found one twice: {name}")
             seen.add(place)
     for read in reads:
         refuse_input(read, paths)
+
+
+def is_empty(name: Path) -> bool:
+    """Whether a file is there with nothing in it, as a run that was killed early leaves one."""
+    return name.is_file() and not name.stat().st_size
 
 
 def refuse_place(name: Path, *, force: bool) -> None:

@@ -12,7 +12,7 @@ from types import FrameType
 
 from vdoor.emit import RunInfo, Sink
 from vdoor.errors import VdoorError, say
-from vdoor.files import give_name, partial_name
+from vdoor.partial import Partial, Staged
 from vdoor.record import Record
 
 QUIET_S = 1.0
@@ -34,6 +34,8 @@ class Outputs:
     connect: str | None = None
     serve: bool = False
     spawn: bool = False
+    force: bool = True
+    """Whether files may be replaced."""
 
     def refuse_suffixes(self) -> None:
         """Raise `VdoorError` for a file name that says another kind of file."""
@@ -48,20 +50,23 @@ class Outputs:
         """The recording files."""
         return [path for path in (self.save, self.mcap) if path is not None]
 
-    def sinks(self, info: RunInfo) -> Iterator[tuple[Sink, Path | None]]:
-        """The requested sinks, opened, files first; each with the file's final name, None for a viewer.
+    def sinks(self, info: RunInfo, staged: Staged) -> Iterator[tuple[Sink, Partial | None]]:
+        """The requested sinks, opened, files first; each with its file, None for a viewer.
 
-        Files are written under their partial names.
+        Files are written under their partial names and added to `staged`.
         """
+        shown = self.save or self.connect or self.serve or self.spawn
+        if shown:
+            from vdoor.viz.rerun.sink import RerunSink  # noqa: PLC0415  # takes half a second, and may not be there
         if self.mcap is not None:
             from vdoor.recording.mcap import McapSink  # noqa: PLC0415  # only if requested
 
-            yield McapSink(partial_name(self.mcap), info), self.mcap
-        if self.save or self.connect or self.serve or self.spawn:
-            from vdoor.viz.rerun.sink import RerunSink  # noqa: PLC0415  # takes half a second
-
+            file = self._file(self.mcap, staged)
+            yield McapSink(file.name, info, file.stream()), file
+        if shown:
             if self.save is not None:
-                yield RerunSink.to_file(partial_name(self.save), info), self.save
+                file = self._file(self.save, staged)
+                yield RerunSink.to_file(file.name, info, file.stream()), file
             if self.connect:
                 yield RerunSink.connect(self.connect, info), None
             if self.serve:
@@ -69,12 +74,17 @@ class Outputs:
             if self.spawn:
                 yield RerunSink.spawn(info), None
 
+    def _file(self, path: Path, staged: Staged) -> Partial:
+        staged.parts.append(Partial(path, force=self.force))
+        return staged.parts[-1]
+
 
 class Opened:
-    """The open sinks of a run, each with its file's final name, None for a viewer."""
+    """The open sinks of a run, each with its file, None for a viewer, and all files that get their names together."""
 
     def __init__(self) -> None:
-        self.pairs: list[tuple[Sink, Path | None]] = []
+        self.pairs: list[tuple[Sink, Partial | None]] = []
+        self.staged = Staged()
 
     @property
     def sinks(self) -> list[Sink]:
@@ -82,24 +92,26 @@ class Opened:
         return [sink for sink, _ in self.pairs]
 
     def finish_files(self) -> None:
-        """Close the files and rename them; live viewers stay open."""
-        for sink, path in self.pairs:
-            if path is not None:
+        """Close the files and give names to all that are staged; live viewers stay open."""
+        for sink, file in self.pairs:
+            if file is not None:
                 sink.close()
-                give_name(path)
-        self.pairs = [(sink, path) for sink, path in self.pairs if path is None]
+        self.staged.commit()
+        self.pairs = [(sink, file) for sink, file in self.pairs if file is None]
 
     def abandon(self, *, keep: bool) -> None:
         """Close all sinks; files are kept under their partial names, which stderr lists, or removed unless `keep`."""
-        for sink, path in self.pairs:
+        for sink, file in self.pairs:
             try:
                 sink.close()
             except VdoorError as late:
-                say(str(late))
-            if path is not None and not keep:
-                partial_name(path).unlink(missing_ok=True)
-            elif path is not None:
-                say(f"recorded so far: {partial_name(path)}")
+                if keep:  # otherwise it says again what ends the run
+                    say(str(late))
+            if keep and file is not None and file in self.staged.parts:
+                say(f"recorded so far: {file.name}")
+                self.staged.parts.remove(file)
+                file.leave()
+        self.staged.abandon()
 
 
 @contextmanager
@@ -111,7 +123,7 @@ def opened(outputs: Outputs, info: RunInfo) -> Iterator[Opened]:
     run = Opened()
     with interruptible():
         try:
-            for pair in outputs.sinks(info):
+            for pair in outputs.sinks(info, run.staged):
                 run.pairs.append(pair)
             yield run
             run.finish_files()

@@ -41,7 +41,8 @@ class Room:
     centre_m: tuple[float, float]
     """The centre of a free cell of the room, the one nearest to the room's mean."""
     polygon_m: Polygon
-    """Rings of x, y, the outer one first, then the holes; each ends with its first vertex."""
+    """Rings of x, y, the outer one first, then the holes; each ends with its first vertex. In a room of several parts
+    the rings of its largest part, then those of the others: see `parts_m`."""
     neighbours: tuple[int, ...]
     corners: tuple[Corner, ...]
     """The corners on the room's boundary."""
@@ -52,6 +53,17 @@ class Room:
     def title(self) -> str:
         """The room's name or, without one, `room` and its id."""
         return self.name or f"room {self.id}"
+
+    @property
+    def parts_m(self) -> tuple[Polygon, ...]:
+        """A polygon for each part of the room that unknown or occupied cells separate, the largest first.
+
+        Most rooms have one. A room has more where a robot saw it only in part, or where its floor is interrupted by a
+        sill.
+        """
+        outer = [(signed_area_m2(ring) < 0) == (signed_area_m2(self.polygon_m[0]) < 0) for ring in self.polygon_m]
+        begins = [*np.flatnonzero(outer).tolist(), len(outer)]
+        return tuple(self.polygon_m[begin:end] for begin, end in pairwise(begins))
 
 
 @dataclass(frozen=True)
@@ -110,7 +122,7 @@ class TopologicalMap(Record):
     """Polygons with holes as x, y in the map frame; each ring ends with its first vertex."""
     vertex_room: Annotated[NDArray[np.int32], Spec("column", "vertex")]
     vertex_ring: Annotated[NDArray[np.int32], Spec("column", "vertex")]
-    """Ring number within the room: 0 for the outer one, then the holes."""
+    """Ring number within the room: 0 for the outer one, then the holes; then the same for the room's smaller parts."""
     frame: Frame
     own_origin_cm: tuple[float, float] | None = None
     """The map frame's origin in the robot's own frame, whose y axis points down, in centimetres; None if unknown. Not

@@ -21,7 +21,7 @@ from edited_flat import FLAT, at, flat
 
 import vdoor
 from vdoor import export
-from vdoor.editing.edits import append_edits, parse, read_edits
+from vdoor.editing.edits import appended, parse, read_edits
 from vdoor.export import read_finished
 from vdoor.export.graphs import schema
 from vdoor.results.writing import document_of, write_result
@@ -57,7 +57,7 @@ def test_commands_edit_the_result_as_a_new_run_does(result: Path, tmp_path: Path
         assert f"vdoor run MAP --edits {result / 'edits.toml'}" in done.err
     again = tmp_path / "again"
     options = ("--edits", result / "edits.toml", "--out", again, "--mcap", tmp_path / "a.mcap")
-    assert command("run", FLAT, "--preset", "paper", *options).err == ""
+    assert "note" not in command("run", FLAT, "--preset", "paper", *options).err  # progress, if the machine is slow
     assert told(again) == told(result)
     assert (again / "rooms.png").read_bytes() == (result / "rooms.png").read_bytes()
     assert command("rooms", again).out == command("rooms", result).out == command("rooms", tmp_path / "a.mcap").out
@@ -70,12 +70,12 @@ def test_commands_edit_the_result_as_a_new_run_does(result: Path, tmp_path: Path
     assert [line.split()[:2] for line in shown.splitlines()[-7:]][3] == ["3", "merge"]
     assert command("replay", tmp_path / "a.mcap", "--save", tmp_path / "a.rrd").code == 0
     assert command("export", tmp_path / "a.mcap", "--to", "report", "-o", tmp_path / "a.html").code == 0
-    assert command("room-at", at(1), result).out == "room 1  Galley\n"
+    assert command("room-at", result, at(1)).out == "room 1  Galley\n"
 
 
 def test_edits_of_the_run_come_first(tmp_path: Path, command: Command) -> None:
     mine, kept = tmp_path / "mine.toml", tmp_path / "r" / "edits.toml"
-    append_edits(mine, [parse(f"name {at(1)} Kitchen")])
+    mine.write_bytes(appended(mine, [parse(f"name {at(1)} Kitchen")]))
     command("run", FLAT, "--preset", "paper", "--edits", mine, "--out", tmp_path / "r", "--mcap", tmp_path / "r.mcap")
     command("rename", tmp_path / "r", "2", "Hall")
     assert [edit.name for edit in read_edits(kept)] == ["Kitchen", "Hall"]
@@ -97,7 +97,7 @@ def test_edits_of_a_run_are_in_its_folder(result: Path, tmp_path: Path, command:
     assert (result / "edits.toml").read_text() == mine
     assert "were not applied (--edits applies them)" in command(*words).err
     assert (result / "edits.toml").read_text() == mine
-    append_edits(tmp_path / "other.toml", [parse(f"name {at(1)} Hall")])
+    (tmp_path / "other.toml").write_bytes(appended(tmp_path / "other.toml", [parse(f"name {at(1)} Hall")]))
     assert "which are kept" in command(*words, "--edits", tmp_path / "other.toml").err
     assert (result / "before.edits.toml").read_text() == mine
     assert [edit.name for edit in read_edits(result / "edits.toml")] == ["Hall"]
@@ -158,7 +158,7 @@ def test_edit_that_cannot_be_written_leaves_all_files_as_they_were(result: Path,
 @pytest.mark.parametrize(
     ("words", "code", "says"),
     [
-        (("--edits", "none.toml"), 2, "edits file: No such file"),
+        (("--edits", "none.toml"), 2, "wanted edits as TOML, found none"),
         (("--edits", "bad.toml"), 2, "edit 1: wanted do = one of"),
         (("--closed-door", "2.9,6.5"), 2, "wanted a wall of at most 1 m between free cells, found none at 2.9,6.5"),
         (("--closed-door", "a"), 2, "--closed-door: wanted X,Y, found 'a'"),
@@ -203,7 +203,7 @@ def test_ids_and_names_agree_over_all_exports() -> None:
     assert "Bad \\u0026 " in report or "Bad & \\u003cK" in report
     route = json.loads(export.to_nav2_route(topology))["features"]
     about = [each["properties"]["metadata"] for each in route if each["geometry"]["type"] == "Point"]
-    assert {each["room"]: each["name"] for each in about if each["kind"] == "room"} == names
+    assert {each["room"]: each["name"] for each in about if each["class"] == "room"} == names
     assert len(json.loads(export.to_virtual_walls(topology, [300]))["virtualWalls"]) == 2
 
 

@@ -13,13 +13,14 @@ import finished_maps
 import networkx as nx
 import numpy as np
 import pytest
+import shapely  # type: ignore[import-untyped]  # publishes no types
 import small_recording
 from commands import Command, call
 from PIL import Image
 from project import FLAT
 
 from vdoor.export import WRITERS
-from vdoor.grid import FREE, OCCUPIED
+from vdoor.grid import FREE, OCCUPIED, UNKNOWN
 
 Refused = Callable[..., str]
 
@@ -73,17 +74,20 @@ def test_text_is_printed_without_a_file(runs: Path, tmp_path: Path) -> None:
     assert call("export", runs / "flat", "--to", "nav2-route").stdout == out.read_text()
 
 
-def test_map_without_doors_has_no_route_graph_but_all_the_rest(
-    command: Command, runs: Path, tmp_path: Path, refused: Refused
-) -> None:
+def test_robot_that_fits_nowhere_has_no_route_graph(runs: Path, tmp_path: Path, refused: Refused) -> None:
     source = runs / "one room"
-    line = refused(source, "--to", "nav2-route", "-o", tmp_path / "x.geojson")
-    assert "at least one door" in line
+    line = refused(source, "--to", "nav2-route", "--robot-radius", "9", "-o", tmp_path / "x.geojson")
+    assert "two places for a robot of radius 9 m" in line
     assert line.endswith(str(source))
-    for writer in WRITERS[1:]:
+    assert not (tmp_path / "x.geojson").exists()
+    assert "--robot-radius: wanted the format nav2-route" in refused(source, "--to", "svg", "--robot-radius", "1")
+
+
+def test_map_without_doors_has_every_format(command: Command, runs: Path, tmp_path: Path) -> None:
+    source = runs / "one room"
+    for writer in WRITERS:
         rooms = ["--room", "1"] if writer.needs_rooms else []
         assert command("export", source, "--to", writer.name, "-o", tmp_path / f"{writer.name}.png", *rooms).code == 0
-    assert not (tmp_path / "x.geojson").exists()
 
 
 def test_help_lists_every_format() -> None:
@@ -224,12 +228,23 @@ def test_a_label_image_of_another_map_is_refused(result: Path, refused: Refused)
     assert "in both" in spoilt(np.where(labels == 2, 0, labels).astype(np.uint16))
     assert "in both" in spoilt(np.zeros_like(labels))
     assert "16-bit" in spoilt(labels.astype(np.uint8))
-    room = np.argwhere(labels == 2)
-    parted = labels.copy()
-    parted[room[:, 0].min() + 3, :] *= labels[room[:, 0].min() + 3, :] != 2
-    assert "room 2 in one part" in spoilt(parted)
     (result / "rooms.png").write_bytes(b"\x89PNG")
     assert "rooms.png" in refused(result, "--to", "json")
+
+
+def test_a_room_in_several_parts_comes_out_as_that_many_polygons(tmp_path: Path, command: Command) -> None:
+    cells = np.full((60, 80), OCCUPIED, np.int8)
+    cells[5:55, 5:70] = FREE
+    cells[5:55, 70:75] = UNKNOWN
+    cells[20, 71] = cells[40, 72:74] = FREE  # rays
+    np.save(tmp_path / "seen.npy", cells)
+    command("run", tmp_path / "seen.npy", "--resolution", "0.05", "--out", tmp_path / "out")
+    done = command("export", tmp_path / "out", "--to", "geojson")
+    (room,) = json.loads(done.out)["features"]
+    areas_m2 = [shapely.Polygon(outer, holes).area for outer, *holes in room["geometry"]["coordinates"]]
+    assert room["geometry"]["type"] == "MultiPolygon"
+    assert areas_m2 == pytest.approx([50 * 65 * 0.05**2, 2 * 0.05**2, 0.05**2])
+    assert sum(areas_m2) == pytest.approx(room["properties"]["area_m2"])
 
 
 def test_the_ids_that_are_printed_are_those_of_the_export(runs: Path, tmp_path: Path) -> None:

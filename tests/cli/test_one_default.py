@@ -21,7 +21,7 @@ from vacuum import centre_cm, home, write_home
 import vdoor
 from vdoor.api import prepared
 from vdoor.config import DEFAULT_PRESET, settings_of, to_toml
-from vdoor.editing.edits import append_edits, parse
+from vdoor.editing.edits import appended, parse
 from vdoor.editing.places import place_text
 from vdoor.emit import RunInfo
 from vdoor.export import save
@@ -205,7 +205,7 @@ def test_older_rooms_are_found_by_the_robots_frame_from_both(tmp_path: Path, com
     new = write_home(tmp_path / "new.json", two_homes())
     before, after = (vdoor.run(vdoor.read_map(path)) for path in (old, new))
     kitchen = f"name {place_text(before.rooms[0].centre_m)} Kitchen"
-    append_edits(tmp_path / "mine.toml", [parse(kitchen)])
+    (tmp_path / "mine.toml").write_bytes(appended(tmp_path / "mine.toml", [parse(kitchen)]))
     command("run", old, "--edits", tmp_path / "mine.toml", "--out", tmp_path / "old", "-q")
     told = command("run", new, "--match", tmp_path / "old", "--json", "-q").json
     match = vdoor.match(vdoor.edited(before, [kitchen]), after)

@@ -54,17 +54,17 @@ def test_place_is_in_the_room_of_its_cell(pillars: Path, command: Command) -> No
     for (row, col), (x_m, y_m) in zip(cells.tolist(), topology.frame.world_from_cell(within).tolist(), strict=True):
         room = int(topology.labels[row, col])
         for words in ((f"{x_m},{y_m}",), ("--cells", f"{col},{row}")):
-            done = command("room-at", *words, pillars)
+            done = command("room-at", pillars, *words)
             assert done.code == (0 if room else 1)
             assert done.out == (f"room {room}\n" if room else "")
-        told = command("room-at", f"{x_m},{y_m}", pillars, "--json").json
+        told = command("room-at", pillars, f"{x_m},{y_m}", "--json").json
         assert told["cell"] == [col, row]
         assert (told["room"] or {"id": 0})["id"] == room
 
 
 def test_middle_of_each_room_is_in_it(pillars: Path, command: Command) -> None:
     for room in finished_maps.topology("pillars").rooms:
-        done = command("room-at", "{},{}".format(*room.centre_m), pillars)
+        done = command("room-at", pillars, "{},{}".format(*room.centre_m))
         assert done == (0, f"room {room.id}\n", "")
         assert min(room.centre_m) < 0
 
@@ -77,18 +77,18 @@ def test_place_without_a_room_is_one_line_and_1(
     words: tuple[str, ...] | str, says: str, pillars: Path, command: Command
 ) -> None:
     words = (words,) if isinstance(words, str) else words
-    done = command("room-at", *words, pillars)
+    done = command("room-at", pillars, *words)
     assert (done.code, done.out) == (1, "")
     (line,) = done.err.splitlines()
     assert says in line
     assert line.endswith(str(pillars))
-    told = command("room-at", *words, pillars, "--json")
+    told = command("room-at", pillars, *words, "--json")
     assert (told.code, told.json["room"]) == (1, None)
 
 
 @pytest.mark.parametrize("place", ["", "1", "1,2,3", "a,b", "nan,1", "1,inf", "1e300,1"])
 def test_what_is_no_place_is_refused(place: str, pillars: Path, command: Command) -> None:
-    done = command("room-at", place, pillars)
+    done = command("room-at", pillars, place)
     assert (done.code, done.out) == (2, "")
     assert len(done.err.splitlines()) == 1
     assert repr(place) in done.err
@@ -97,7 +97,7 @@ def test_what_is_no_place_is_refused(place: str, pillars: Path, command: Command
 @pytest.mark.parametrize("name", ["rooms", "room-at"])
 def test_what_is_no_result_is_refused_by_name(name: str, tmp_path: Path, command: Command) -> None:
     words = ["1,1"] if name == "room-at" else []
-    done = command(name, *words, tmp_path / "none.mcap")
+    done = command(name, tmp_path / "none.mcap", *words)
     assert (done.code, done.out) == (2, "")
     assert done.err.strip().endswith("none.mcap")
 

@@ -54,15 +54,27 @@ def test_each_file_is_what_vdoor_export_makes_of_the_recording(tmp_path: Path) -
         assert (live / path.name).read_bytes() == path.read_bytes(), path.name
 
 
-def test_map_without_doors_has_all_but_the_route_graph(tmp_path: Path) -> None:
+def test_map_in_which_no_robot_fits_has_all_but_the_route_graph(tmp_path: Path) -> None:
     image = tmp_path / "one.png"
     Image.fromarray(greys(finished_maps.grid("one room"))).save(image)
-    words = ("run", image, "--resolution", "0.2", "--unknown-value", "205", "--preset", "paper", "-q")
+    words = (
+        "run",
+        image,
+        "--resolution",
+        "0.02",
+        "--set",
+        "simplify.cell_m=0",
+        "--unknown-value",
+        "205",
+        "--preset",
+        "paper",
+        "-q",
+    )
     written = ("--mcap", tmp_path / "one.mcap", "--save", tmp_path / "one.rrd", "--out", tmp_path / "one")
     done = call(*words, *written, *asked(tmp_path, "nav2-route", "svg"), code=2)
     assert done.stdout.startswith("1 room, 0 doors")
     (line,) = done.stderr.splitlines()
-    assert "at least one door" in line
+    assert "two places for a robot" in line
     assert line.endswith(str(image))
     assert {path.name for path in tmp_path.iterdir()} == {"one.png", "one.mcap", "one.rrd", "one", "rooms.svg"}
     assert call("rooms", tmp_path / "one.mcap").stdout.count("\n") == 2
@@ -96,11 +108,11 @@ def test_wrong_use_is_one_line_before_anything_is_run(words: list[str], says: st
     assert {path: path.read_bytes() for path in flat.parent.iterdir()} == before
 
 
-def test_a_folder_that_is_missing_leaves_the_recording(tmp_path: Path) -> None:
+def test_a_folder_that_is_missing_is_refused_before_the_run(tmp_path: Path) -> None:
     words = ("--mcap", tmp_path / "flat.mcap", "--export", f"svg={tmp_path / 'missing' / 'x.svg'}")
     done = call("run", FLAT, "--preset", "paper", *words, code=2)
-    assert "missing" in done.stderr
-    assert call("rooms", tmp_path / "flat.mcap").stdout.count("\n") == 6
+    assert "wanted an existing folder for it, found none" in done.stderr
+    assert not list(tmp_path.iterdir())
 
 
 def test_walls_for_a_vacuum_need_no_recording(tmp_path: Path) -> None:

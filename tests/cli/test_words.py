@@ -14,7 +14,7 @@ import small_recording
 from PIL import Image
 
 import vdoor
-import vdoor.cli
+from vdoor.cli.commands import COMMANDS
 
 FLAT = project.HOME / "recordings" / "flat.yaml"
 
@@ -97,7 +97,7 @@ def test_help_lists_every_command_in_a_group(command: commands.Command) -> None:
     headings = [line for line in lines if line.endswith(":") and not line.startswith(" ")]
     assert headings[-7:] == ["Run and look:", "Debug:", "Drive:", "Edit:", "Export:", "Measure:", "The paper:"]
     listed = {line.split()[0] for line in lines if line.startswith("  ") and line[2:3].isalpha()}
-    assert {name for name, *_ in vdoor.cli.COMMANDS} <= listed
+    assert {name for name, *_ in COMMANDS} <= listed
 
 
 def test_a_misspelt_command_is_answered_with_the_right_one(command: commands.Command) -> None:

@@ -15,7 +15,7 @@ from skimage.measure import label
 
 import vdoor
 from vdoor.editing.apply import EditRooms
-from vdoor.editing.edits import FORMS, Edit, append_edits, parse, read_edits
+from vdoor.editing.edits import FORMS, Edit, appended, parse, read_edits
 from vdoor.editing.places import place_text
 from vdoor.editing.split_room import line_cells, within
 from vdoor.errors import SettingError
@@ -50,10 +50,10 @@ def test_edit_is_the_same_as_a_line(edit: Edit) -> None:
 @maps.law
 def test_edit_is_the_same_in_a_file_that_grows(tmp_path_factory: pytest.TempPathFactory, edits: list[Edit]) -> None:
     path = tmp_path_factory.mktemp("edits") / "edits.toml"
-    append_edits(path, edits[:1])
+    path.write_bytes(appended(path, edits[:1]))
     mine = path.read_text(encoding="utf-8") + "# mine, without a line's end"
     path.write_text(mine, encoding="utf-8")
-    append_edits(path, edits[1:])
+    path.write_bytes(appended(path, edits[1:]))
     assert read_edits(path) == edits
     assert path.read_text(encoding="utf-8").startswith(mine + "\n")
 

@@ -457,12 +457,3 @@ def test_read_only_folder_is_told_before_anything_runs(
     told = command("sweep", "seed=1", "--apartments", "1", "--save", tmp_path / "s.rrd")
     assert (told.code, told.out) == (2, "")
     assert told.err.endswith(f": wanted a writable folder, found a read-only folder: {tmp_path}\n")
-
-
-def test_missing_matplotlib_is_told_before_anything_runs(tmp_path: Path) -> None:
-    script = "import sys; sys.modules['matplotlib'] = None; from vdoor.cli import main; main()"
-    words = ["sweep", "seed=1", "--png", str(tmp_path / "s.png")]
-    done = subprocess.run([sys.executable, "-c", script, *words], capture_output=True, text=True, check=False)
-    assert done.returncode == 2
-    assert done.stderr.startswith("vdoor: pictures: wanted matplotlib, found none; ")
-    assert len(done.stderr.splitlines()) == 1

@@ -21,8 +21,8 @@ from maps import CELL_M, Cells, law, small_maps
 from nav2_loader import RefusedError
 
 import vdoor
+from vdoor.errors import VdoorError
 from vdoor.export import to_nav2_route, to_rmf
-from vdoor.export.routes import doorways
 from vdoor.grid import OccupancyGrid
 from vdoor.synth import Home, synthesize
 from vdoor.topology import TopologicalMap
@@ -59,19 +59,14 @@ def test_rmf_lanes_go_around_a_bend() -> None:
 
 @law
 @given(small_maps(most=16))
-def test_lanes_and_edges_stay_in_their_rooms_on_any_map(cells: Cells) -> None:
+def test_lanes_stay_in_their_rooms_on_any_map(cells: Cells) -> None:
     topology = vdoor.run(OccupancyGrid.from_array(cells, CELL_M), "default")
     check_rmf(topology)
-    if topology.doors:
-        check_chains(topology)
 
 
-def test_lanes_and_edges_stay_in_the_bent_rooms_of_a_home() -> None:
+def test_lanes_stay_in_the_bent_rooms_of_a_home() -> None:
     home = synthesize(Home(), np.random.default_rng(4))
-    topology = vdoor.run(home.grid, "default")
-    check_rmf(topology)
-    graph = check_chains(topology)
-    assert any(node.metadata["kind"] == "waypoint" for node in graph.nodes.values())
+    check_rmf(vdoor.run(home.grid, "default"))
 
 
 def check_rmf(topology: TopologicalMap) -> rmf_loader.Graph:
@@ -92,60 +87,69 @@ def check_rmf(topology: TopologicalMap) -> rmf_loader.Graph:
     return graph
 
 
-@with_doors
+@pytest.mark.parametrize("name", finished_maps.NAMES)
 def test_the_route_server_takes_the_graph(name: str) -> None:
     topology = finished_maps.topology(name)
     graph = nav2_loader.load(to_nav2_route(topology))
-    rooms, ways = {room.id: room for room in topology.rooms}, {way.door.id: way for way in doorways(topology)}
+    rooms = {room.id: room for room in topology.rooms}
+    doors = {node.metadata["door"] for node in graph.nodes.values() if node.metadata["class"] == "door"}
     assert len(set(graph.ids)) == len(graph.ids)
     assert {node.frame for node in graph.nodes.values()} == {"map"}
-    kinds = [node.metadata["kind"] for node in graph.nodes.values()]
-    assert (kinds.count("room"), kinds.count("door")) == (len(rooms), len(ways))
-    for number, node in graph.nodes.items():
-        if node.metadata["kind"] == "room":
-            assert (number, node.place) == (node.metadata["room"], rooms[number].centre_m)
-        elif node.metadata["kind"] == "door":
-            way = ways[node.metadata["door"]]
-            assert (node.place, tuple(node.metadata["rooms"])) == (way.middle_m, way.door.rooms)
+    assert doors == {door.id for door in topology.doors}
+    own = {number: node for number, node in graph.nodes.items() if node.metadata["class"] == "room"}
+    assert {number: node.metadata["room"] for number, node in own.items()} == {number: number for number in rooms}
+    for number, node in own.items():
+        assert math.dist(node.place, rooms[number].centre_m) < 0.5
     assert {(edge.end, edge.start, edge.cost) for edge in graph.edges} == {
         (edge.start, edge.end, edge.cost) for edge in graph.edges
     }
     for edge in graph.edges:  # what the default scorer makes of it
         assert edge.cost == math.dist(graph.nodes[edge.start].place, graph.nodes[edge.end].place)
         assert edge.overridable
+        place = space(topology, edge.metadata["room"]).buffer(1e-3)
+        assert outside_m((graph.nodes[edge.start].place, graph.nodes[edge.end].place), place) == pytest.approx(0)
 
 
-@with_doors
-def test_edges_lead_from_each_door_to_its_rooms_at_what_the_way_costs(name: str) -> None:
-    check_chains(finished_maps.topology(name))
+def test_points_are_whole_millimetres() -> None:
+    for node in nav2_loader.load(to_nav2_route(finished_maps.topology("pillars"))).nodes.values():
+        assert [round(value, 3) for value in node.place] == [*node.place]
 
 
-def test_edges_lead_around_a_bend() -> None:
-    graph = check_chains(bent(16, 60, 60))
-    assert any(node.metadata["kind"] == "waypoint" for node in graph.nodes.values())
+def test_edges_say_what_they_are_for_the_semantic_scorer() -> None:
+    topology = labelled("1111111111\n" * 6 + "0000100000\n" + "2222222222\n" * 6, ((1, 2), (6.5, 4)), cell_m=0.2)
+    graph = nav2_loader.load(to_nav2_route(topology, radius_m=0.09))
+    doors = {number for number, node in graph.nodes.items() if node.metadata["class"] == "door"}
+    for edge in graph.edges:
+        assert edge.metadata["class"] == ("door" if {edge.start, edge.end} & doors else "room")
+    narrow = nav2_loader.load(to_nav2_route(topology, radius_m=0.3))
+    told = {edge.metadata["class"]: edge.metadata["clearance_m"] for edge in narrow.edges}
+    assert told == {"room": 0.3, "narrow": pytest.approx(0.1)}
 
 
-def check_chains(topology: TopologicalMap) -> nav2_loader.Graph:
-    """Edges of a way are one chain from its door to its room, within the room, as long as the way is."""
-    graph = nav2_loader.load(to_nav2_route(topology))
-    doors = {node.metadata["door"]: number for number, node in graph.nodes.items() if node.metadata["kind"] == "door"}
-    used = 0
-    for way in doorways(topology):
-        for side in way.sides:
-            told = {"kind": "way", "door": way.door.id, "room": side.room}
-            own = [edge for edge in graph.edges if edge.metadata == told]
-            chain = nx.DiGraph([(edge.start, edge.end, {"cost": edge.cost}) for edge in own])
-            route = nx.shortest_path(chain, doors[way.door.id], side.room)
-            assert len(own) == 2 * (len(route) - 1)
-            assert nx.path_weight(chain, route, "cost") == pytest.approx(side.cost_m)
-            places = tuple(graph.nodes[node].place for node in route)
-            assert places == pytest.approx(np.array(side.points_m))
-            assert outside_m(places, space(topology, side.room)) == pytest.approx(0, abs=1e-9)
-            bends = [graph.nodes[node].metadata for node in route[1:-1]]
-            assert bends == [told | {"kind": "waypoint"}] * len(bends)
-            used += len(own)
-    assert used == len(graph.edges)
-    return graph
+def test_where_a_room_is_slow_every_edge_has_a_speed_limit_as_a_decimal_number() -> None:
+    topology = finished_maps.topology("pillars")
+    graph = nav2_loader.load(to_nav2_route(topology, speed_percent={2: 40}))
+    assert {edge.metadata["room"]: edge.metadata["speed_limit"] for edge in graph.edges} == {
+        1: 100.0,
+        2: 40.0,
+        3: 100.0,
+    }
+    plain = nav2_loader.load(to_nav2_route(topology))
+    assert not any("speed_limit" in edge.metadata for edge in plain.edges)
+
+
+def test_doors_are_opened_by_the_edges_that_lead_to_them() -> None:
+    topology = finished_maps.topology("pillars")
+    graph = nav2_loader.load(to_nav2_route(topology, door_service="/doors/{door}/open"))
+    for edge in graph.edges:
+        door = graph.nodes[edge.end].metadata.get("door")
+        told = {"service_name": f"/doors/{door}/open", "door": door}
+        assert edge.operations == ([("TriggerEvent", "ON_ENTER", told)] if door else [])
+
+
+def test_a_map_in_which_the_robot_has_no_two_places_has_no_route_graph() -> None:
+    with pytest.raises(VdoorError, match=r"two places for a robot of radius 0\.22 m, found one"):
+        to_nav2_route(labelled("111\n111\n111", cell_m=0.05))
 
 
 def test_a_route_between_rooms_takes_the_nearer_of_two_doors() -> None:
@@ -153,8 +157,9 @@ def test_a_route_between_rooms_takes_the_nearer_of_two_doors() -> None:
     routes: nx.DiGraph[int] = nx.DiGraph()
     routes.add_weighted_edges_from((edge.start, edge.end, edge.cost) for edge in graph.edges)
     passed = [graph.nodes[node].metadata for node in nx.dijkstra_path(routes, 1, 3, "weight")]
-    assert [told["door"] for told in passed if told["kind"] == "door"] in ([1, 2], [3, 2])
-    assert [told["room"] for told in passed if told["kind"] == "room"] == [1, 2, 3]
+    assert [told["door"] for told in passed if told["class"] == "door"] in ([1, 2], [3, 2])
+    rooms = [told["room"] for told in passed if "room" in told]
+    assert [room for room, after in zip(rooms, [*rooms[1:], 0], strict=True) if room != after] == [1, 2, 3]
 
 
 @pytest.mark.parametrize(
@@ -172,6 +177,14 @@ def test_a_route_between_rooms_takes_the_nearer_of_two_doors() -> None:
         lambda graph: graph.edges[0]["properties"].update(endid=10**6),
         lambda graph: graph.edges[0]["properties"].update(cost=0.0, overridable=False),
         lambda graph: graph.edges[0]["properties"].update(cost=math.nan),
+        lambda graph: graph.edges[0]["properties"]["metadata"].update(speed_limit=50),
+        lambda graph: graph.nodes[0]["properties"]["metadata"].update({"class": 3}),
+        lambda graph: graph.edges[0]["properties"].update(operations=[{"type": "TriggerEvent"}]),
+        lambda graph: graph.edges[0]["properties"].update(operations=[{"type": "Open", "trigger": "ON_ENTER"}]),
+        lambda graph: graph.edges[0]["properties"].update(operations=[{"type": "TriggerEvent", "trigger": "ENTER"}]),
+        lambda graph: graph.edges[0]["properties"].update(
+            operations=[{"type": "TriggerEvent", "trigger": "ON_ENTER", "metadata": {"service_name": ""}}]
+        ),
     ],
 )
 def test_the_reader_refuses_what_the_route_server_refuses(spoil: Callable[[Any], None]) -> None:

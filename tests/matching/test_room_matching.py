@@ -20,7 +20,7 @@ from hypothesis import strategies as st
 from PIL import Image
 
 import vdoor
-from vdoor.editing.edits import append_edits, parse
+from vdoor.editing.edits import appended, parse
 from vdoor.editing.places import place_text
 from vdoor.export import read_finished
 from vdoor.grid import FREE, OCCUPIED, UNKNOWN, OccupancyGrid
@@ -232,7 +232,7 @@ def shifted_flat(folder: Path) -> Path:
 @pytest.fixture
 def older(tmp_path: Path, command: Command) -> Path:
     """A result of the flat with names and ids, and its recording beside it."""
-    append_edits(tmp_path / "mine.toml", [parse(line) for line in lines()])
+    (tmp_path / "mine.toml").write_bytes(appended(tmp_path / "mine.toml", [parse(line) for line in lines()]))
     words = ("--preset", "paper", "--edits", tmp_path / "mine.toml", "--quiet")
     assert command("run", FLAT, *words, "--out", tmp_path / "old", "--mcap", tmp_path / "old.mcap").code == 0
     return tmp_path
@@ -279,7 +279,9 @@ def test_result_can_be_matched_with_itself_again_and_again(older: Path, command:
 
 
 def test_edits_of_a_file_take_the_place_of_the_older_ones(older: Path, command: Command) -> None:
-    append_edits(older / "new.toml", [parse(f"name {place_text(old().room(7).centre_m)} Foyer")])
+    (older / "new.toml").write_bytes(
+        appended(older / "new.toml", [parse(f"name {place_text(old().room(7).centre_m)} Foyer")])
+    )
     command("merge", older / "old", "1", "2")
     words = ("run", FLAT, "--preset", "paper", "--match", older / "old", "--edits", older / "new.toml", "--json")
     rooms = {room["id"]: room["name"] for room in command(*words).json["rooms"]}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -241,6 +242,28 @@ def test_rings_enclose_their_label_and_nothing_else(image: list[list[int]]) -> N
             assert (steps.max(axis=1) > 0).all()
             assert (np.diff(steps.argmax(axis=1)) != 0).all()  # every vertex is a bend
     assert sorted(set(owner.tolist())) == np.unique(label[label > 0]).tolist()
+
+
+@law
+@given(image=label_images)
+def test_rings_of_labels_in_several_parts_are_a_valid_polygon_for_each_part_the_largest_first(
+    image: list[list[int]],
+) -> None:
+    label = np.array(image, np.int32)
+    vertex, owner, ring = polygons(label)
+    for number in np.unique(label[label > 0]).tolist():
+        rings = [vertex[(owner == number) & (ring == own)] for own in np.unique(ring[owner == number])]
+        begins = [at for at, own in enumerate(rings) if ring_area(own) > 0]
+        found = [shapely.Polygon(*rings_of_part(rings[a:b])) for a, b in pairwise([*begins, len(rings)])]
+        part, _ = ndimage.label(label == number)
+        assert begins[0] == 0
+        assert all(polygon.is_valid for polygon in found)
+        assert [polygon.area for polygon in found] == sorted(np.bincount(part.ravel())[1:].tolist(), reverse=True)
+        assert shapely.union_all(found).area == (label == number).sum()
+
+
+def rings_of_part(rings: list[Labels]) -> tuple[Labels, list[Labels]]:
+    return rings[0], rings[1:]
 
 
 @law

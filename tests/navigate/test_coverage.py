@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import shapely
 from maps import Cells
 from numpy.typing import NDArray
 from scipy import ndimage
@@ -90,20 +91,25 @@ def least_clearance_m(found: Coverage, blocked: NDArray[np.bool_]) -> float:
     return float(np.sqrt((gap_m**2).sum(axis=2)).min())
 
 
-def swept_share(found: Coverage, grid: OccupancyGrid, labels: NDArray[np.int32]) -> float:
-    """The share that is swept, counted anew with cells of half the size."""
-    fine = dataclasses.replace(
-        grid.frame, height=2 * grid.frame.height, width=2 * grid.frame.width, resolution_m=grid.frame.resolution_m / 2
-    )
-    blocked = np.kron(~grid.free, np.ones((2, 2), np.bool_))
-    space = Space.of(blocked, fine, found.radius_m)
-    start = np.floor(fine.cell_from_world(found.point_m[:1])[0] + 0.5).astype(int)
-    near = space.parts[start[0] - 3 : start[0] + 4, start[1] - 3 : start[1] + 4]
-    reached = space.parts == np.bincount(near[near > 0]).argmax()
-    wanted = ndimage.distance_transform_edt(~reached) * fine.resolution_m <= found.tool_m / 2 + 1e-9
-    wanted &= np.kron(labels > 0, np.ones((2, 2), np.bool_)) & ~blocked
-    apart_m, _ = cKDTree(driven_m(found)).query(fine.world_from_cell(np.argwhere(wanted)))
-    return float(np.mean(apart_m <= found.tool_m / 2 + 1e-9))
+def swept_share(found: Coverage, grid: OccupancyGrid, labels: NDArray[np.int32], cell_m: float) -> float:
+    """The share that is swept, counted anew on a raster of another cell size, with no code of ours.
+
+    The robot's centre may be where a lattice of 5 mm keeps the radius to the edges of cells, joined to the start.
+    """
+    times = round(grid.frame.resolution_m / 0.005)
+    free = np.kron(grid.free, np.ones((times, times), np.bool_))
+    clear_m = (ndimage.distance_transform_edt(free) - 0.5) * 0.005  # exact along walls, which is where it counts
+    label, _ = ndimage.label(clear_m >= found.radius_m - 1e-9, np.ones((3, 3)))
+    start = np.rint((found.frame.cell_from_world(found.point_m[:1])[0] + 0.5) * times - 0.5).astype(int)
+    near = label[start[0] - 2 : start[0] + 3, start[1] - 2 : start[1] + 3]
+    reached = label == np.bincount(near[near > 0]).argmax()
+    reach_m = ndimage.distance_transform_edt(~reached) * 0.005
+    step = round(cell_m / 0.005)
+    own = np.kron(labels > 0, np.ones((times, times), np.bool_)) & free & (reach_m <= found.tool_m / 2)
+    place = np.argwhere(own[step // 2 :: step, step // 2 :: step]) * step + step // 2
+    at_m = found.frame.world_from_cell((place + 0.5) / times - 0.5)
+    apart_m, _ = cKDTree(driven_m(found)).query(at_m)
+    return float(np.mean(apart_m <= found.tool_m / 2 + 1e-4))
 
 
 @pytest.mark.parametrize("unit", ["room", "map"])
@@ -134,7 +140,8 @@ def test_homes_are_covered_and_a_count_with_smaller_cells_agrees(seed: int) -> N
     found = covered((grid, topology))
     assert found.covered >= 0.98
     assert found.excess <= 1.5
-    assert swept_share(found, grid, topology.labels) == pytest.approx(found.covered, abs=0.01)
+    for cell_m, apart in ((0.025, 0.003), (0.01, 0.004)):  # half the map's cells, and a fifth
+        assert swept_share(found, grid, topology.labels, cell_m) == pytest.approx(found.covered, abs=apart)
 
 
 @pytest.mark.parametrize(("rows", "cols"), [(80, 120), (100, 200), (120, 121)])
@@ -142,7 +149,7 @@ def test_an_empty_rectangle_is_covered_almost_without_overlap(rows: int, cols: i
     found = covered(mapped(walled(rows, cols)))
     assert found.covered >= 0.995
     assert found.excess <= 1.09
-    assert covered(mapped(walled(rows, cols)), end="").excess <= 1.05
+    assert covered(mapped(walled(rows, cols)), end="").excess <= 1.04
 
 
 def test_equal_input_gives_equal_records() -> None:
@@ -157,7 +164,7 @@ def test_the_dial_moves_between_coverage_and_length() -> None:
 
 def test_no_more_than_the_given_share_stays_uncovered_for_a_shorter_path() -> None:
     for leave in (0.01, 0.03):
-        assert 1 - leave <= covered(home(0), trade=1.0, leave=leave).covered <= 1 - leave / 2
+        assert 1 - leave <= covered(home(0), trade=1.0, leave=leave).covered <= 1 - 0.9 * leave
 
 
 def test_rooms_are_swept_one_after_the_other_with_few_changes_of_room() -> None:
@@ -179,11 +186,25 @@ def test_a_tool_wider_than_the_robot_does_not_sweep_through_walls() -> None:
     assert narrow.covered >= 0.98
 
 
+@pytest.mark.parametrize("fine", [1, 2])
+def test_what_a_tool_reaches_is_what_lies_near_its_floor(fine: int) -> None:
+    ring = np.array([(8.0, 8.0), (8.0, 30.0), (20.5, 33.2), (30.0, 9.0), (8.0, 8.0)])
+    hole = np.array([(15.0, 15.0), (22.0, 15.0), (22.0, 24.0), (15.0, 15.0)])
+    floor = shapely.Polygon(ring, [hole])
+    start, end = np.concatenate([ring[:-1], hole[:-1]]), np.concatenate([ring[1:], hole[1:]])
+    tool = Tool.on(np.zeros((40, 44), np.bool_), fine, reach=1.7, radius=2.0)
+    reached = tool.reachable(start, end)
+    at = tool.on_map(np.argwhere(np.ones_like(reached)).astype(float))
+    apart = shapely.distance(floor, shapely.points(at)).reshape(reached.shape)
+    sure = np.abs(apart - 1.7) > 1e-6
+    assert (reached == (apart <= 1.7))[sure].all()
+
+
 def test_a_tool_sweeps_the_cells_of_its_stadium() -> None:
     rng = np.random.default_rng(1)
     row, col = np.mgrid[0:40, 0:50]
     for reach in (0.4, 1.0, 3.0, 7.3):
-        tool = Tool(reach, np.zeros(row.shape, np.bool_), hidden=False)
+        tool = Tool(reach, reach, np.zeros(row.shape, np.bool_))
         ends = rng.uniform((-3, -3), (43, 53), (30, 2, 2))
         swept = tool.swept(ends[:, 0], ends[:, 1])
         for number, (a, b) in enumerate(ends):
@@ -253,7 +274,7 @@ def test_no_go_areas_are_kept_clear_of_and_no_mop_areas_by_robots_that_mop() -> 
 def test_the_threshold_of_a_door_is_swept() -> None:
     grid, topology = house()
     found = covered((grid, topology))
-    assert (found.swept[28:40, 50:58] > 0).all()
+    assert (found.swept[26:42, 52:56] > 0).all()  # the door, two cells deep, and a cell on both sides
 
 
 def test_a_table_leg_gets_a_ring_and_does_not_split_the_lanes() -> None:

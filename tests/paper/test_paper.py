@@ -6,8 +6,6 @@ import dataclasses
 import json
 import math
 import re
-import subprocess
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -210,19 +208,6 @@ def test_what_cannot_be_done_is_refused_before_anything_runs(words: tuple[str, .
     assert done.stdout == ""
     assert said in done.stderr
     assert "Traceback" not in done.stderr
-
-
-def test_without_matplotlib_the_error_names_how_to_install_it(tmp_path: Path) -> None:
-    script = (
-        "import importlib.util, sys\nfind = importlib.util.find_spec\n"
-        "importlib.util.find_spec = lambda name, *rest: None if name == 'matplotlib' else find(name, *rest)\n"
-        f"sys.argv[1:] = ['paper', '--out', {str(tmp_path)!r}]\nimport vdoor.cli\nvdoor.cli.main()\n"
-    )
-    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False)
-    assert done.returncode == 2
-    assert done.stderr.count("\n") == 1
-    assert "pip install" in done.stderr
-    assert not list(tmp_path.iterdir())
 
 
 def test_a_table_is_aligned_as_text_and_escaped_as_markdown() -> None:

@@ -26,8 +26,9 @@ from vdoor.record import equal
 from vdoor.recording import about
 from vdoor.recording.about import ENDING, PACKED, PLAIN, Attached, files_of
 from vdoor.recording.check import check
-from vdoor.recording.mcap import McapSink, read_recording, scan
+from vdoor.recording.mcap import McapSink, read_recording
 from vdoor.recording.recover import recover
+from vdoor.recording.scan import Budget, scan
 
 FINE = HOME / "recordings" / "fine.yaml"
 EVERY = 251
@@ -48,7 +49,7 @@ def fine(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def ends(path: Path) -> dict[str, list[int]]:
     """Where each kind of record of the file's own level ends."""
     found: dict[str, list[int]] = {}
-    for _, end, record in scan(path):
+    for _, end, record in scan(path, Budget.of(path)):
         found.setdefault(type(record).__name__, []).append(end)
     return found
 

@@ -23,9 +23,10 @@ from vdoor.pipeline import RECORDS, emitted
 from vdoor.record import Record, equal
 from vdoor.recording import about
 from vdoor.recording.check import check
-from vdoor.recording.mcap import read_recording, scan
+from vdoor.recording.mcap import read_recording
 from vdoor.recording.recover import Recovery, recover
 from vdoor.recording.salvage import SIZE_AT
+from vdoor.recording.scan import Budget, scan
 
 HERE = HOME / "tests" / "support"
 
@@ -137,7 +138,7 @@ def test_without_its_settings_a_run_keeps_its_stages(tmp_path: Path, command: Co
 
 
 def attachment_end(path: Path) -> int:
-    return next(end for _, end, record in scan(path) if type(record).__name__ == "Attachment")
+    return next(end for _, end, record in scan(path, Budget.of(path)) if type(record).__name__ == "Attachment")
 
 
 def test_without_its_map_file_a_run_can_still_be_verified(tmp_path: Path, command: Command) -> None:

@@ -64,12 +64,20 @@ class Browser:
 
     def open(self, path: Path) -> None:
         """Open a file and wait until it is loaded."""
-        self.call("Page.navigate", url=path.absolute().as_uri())
-        until = time.monotonic() + MOST_S
-        while self.run("document.readyState") != "complete":
-            assert time.monotonic() < until, "the page was not loaded"
-            time.sleep(0.02)
+        self.go(path.absolute().as_uri())
+
+    def go(self, address: str) -> None:
+        """Open an address and wait until it is loaded."""
+        self.call("Page.navigate", url=address)
+        self.wait("document.readyState === 'complete'")
         self.settle()
+
+    def wait(self, script: str) -> None:
+        """Wait until an expression holds in the page."""
+        until = time.monotonic() + MOST_S
+        while not self.run(script):
+            assert time.monotonic() < until, f"never came: {script}"
+            time.sleep(0.02)
 
     def run(self, script: str) -> Any:
         """Give what an expression is worth in the page."""
@@ -85,6 +93,25 @@ class Browser:
         """Move, press, release or turn the wheel at a place of the window."""
         self.call("Input.dispatchMouseEvent", type=f"mouse{kind}", x=x, y=y, **more)
         self.settle()
+
+    def click(self, x: float, y: float) -> None:
+        """Click at a place of the window."""
+        self.drag((x, y), (x, y))
+
+    def drag(self, start: tuple[float, float], end: tuple[float, float]) -> None:
+        """Press at one place, move to another, release there."""
+        self.mouse("Moved", *start)
+        self.mouse("Pressed", *start, button="left", clickCount=1)
+        if end != start:
+            self.mouse("Moved", *end, button="left", buttons=1)
+        self.mouse("Released", *end, button="left", clickCount=1)
+
+    def write(self, text: str) -> None:
+        """Type a text, and Enter behind it."""
+        self.call("Input.insertText", text=text)
+        enter = {"key": "Enter", "windowsVirtualKeyCode": 13}
+        self.call("Input.dispatchKeyEvent", type="keyDown", text="\r", **enter)
+        self.call("Input.dispatchKeyEvent", type="keyUp", **enter)
 
     def key(self, key: str) -> None:
         """Press a key and let it go."""

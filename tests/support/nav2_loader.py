@@ -29,6 +29,8 @@ class Edge(NamedTuple):
     cost: float
     overridable: bool
     metadata: dict[str, Any]
+    operations: list[tuple[str, str, dict[str, Any]]]
+    """Type, trigger and metadata of each."""
 
 
 class Graph(NamedTuple):
@@ -73,12 +75,44 @@ def _edge(properties: dict[str, Any], nodes: dict[int, Node]) -> Edge:
         raise RefusedError("overridable is no truth value")
     if not overridable and cost <= 0:
         raise RefusedError("the edge has no valid cost")
-    return Edge(_uint(properties["id"]), start, end, cost, overridable, _metadata(properties.get("metadata", {})))
+    metadata = _metadata(properties.get("metadata", {}))
+    return Edge(_uint(properties["id"]), start, end, cost, overridable, metadata, _operations(properties))
+
+
+TRIGGERS = ("NODE", "ON_ENTER", "ON_EXIT")
+CALLED = ("TriggerEvent",)
+"""The operations of Nav2 that a graph may name: the others act by themselves, and an unknown one ends the route."""
+
+
+def _operations(properties: dict[str, Any]) -> list[tuple[str, str, dict[str, Any]]]:
+    """Operations with what their plugin reads; the loader takes an unknown trigger for NODE, which nobody means."""
+    found = []
+    for table in properties.get("operations", []):
+        kind, trigger, metadata = table["type"], table["trigger"], _metadata(table.get("metadata", {}))
+        if kind not in CALLED or trigger not in TRIGGERS:
+            raise RefusedError(f"no operation {kind} at {trigger}")
+        if not metadata.get("service_name"):
+            raise RefusedError("no service to call")
+        found.append((kind, trigger, metadata))
+    return found
+
+
+READ_AS = {
+    "class": str,
+    "service_name": str,
+    "speed_limit": float,
+    "abs_speed_limit": float,
+    "penalty": float,
+    "abs_time_taken": float,
+}
+"""What Nav2's own plugins read, and as what: a whole number is kept as an integer, and reading it as a float throws."""
 
 
 def _metadata(table: dict[str, Any]) -> dict[str, Any]:
     """Tables of values, of arrays of values, and of tables; null and arrays of anything else are refused."""
-    for value in table.values():
+    for name, value in table.items():
+        if name in READ_AS and not isinstance(value, READ_AS[name]):
+            raise RefusedError(f"{name} is read as {READ_AS[name].__name__}")
         if isinstance(value, dict):
             _metadata(value)
         elif not all(

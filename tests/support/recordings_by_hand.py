@@ -11,7 +11,8 @@ from small_recording import small_run
 from vdoor.grid import Source
 from vdoor.record import Record
 from vdoor.recording import about, codec
-from vdoor.recording.mcap import scan, step_of, time_ns, unpacked
+from vdoor.recording.mcap import step_of, time_ns
+from vdoor.recording.scan import Budget, scan, unpacked
 
 Message = tuple[str, str, bytes]
 
@@ -53,8 +54,9 @@ def by_hand(
 def spans(path: Path) -> list[tuple[int, int, set[int]]]:
     """Give where the chunks of a file begin and end, and the steps in them."""
     found = []
-    for begin, end, record in scan(path):
-        items = unpacked(record)
+    budget = Budget.of(path)
+    for begin, end, record in scan(path, budget):
+        items = unpacked(record, budget)
         if type(record).__name__ == "Chunk":
             times = [item.log_time for item in items if type(item).__name__ == "Message"]  # type: ignore[attr-defined]
             found.append((begin, end, {step_of("", time_ns) for time_ns in times}))

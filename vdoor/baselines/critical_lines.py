@@ -7,10 +7,9 @@ from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
 import numpy as np
+import scipy
+import skimage
 from numpy.typing import NDArray
-from scipy import ndimage
-from scipy.spatial import cKDTree
-from skimage.measure import label as label_cells
 
 from vdoor.baselines.skeleton import Skeleton
 from vdoor.config import Within
@@ -84,7 +83,9 @@ class FindCriticalLines:
             return cell, cell
         wall = (np.argwhere(touches(np.pad(free, 1))) - 1).astype(np.int32)
         reach = self.max_length_m / cell_m + EPSILON
-        near = cKDTree(cell).sparse_distance_matrix(cKDTree(wall), reach, output_type="ndarray")
+        near = scipy.spatial.cKDTree(cell).sparse_distance_matrix(
+            scipy.spatial.cKDTree(wall), reach, output_type="ndarray"
+        )
         which, to = near["i"], near["j"]
         away = wall[to] - cell[which]
         squared = (away * away).sum(axis=1)
@@ -123,7 +124,9 @@ def minima(clearance_m: Raster, steps: int) -> Ints:
     on = np.isfinite(clearance_m)
     least = clearance_m
     for _ in range(steps):
-        least = np.where(on, ndimage.minimum_filter(least, footprint=AROUND, mode="constant", cval=np.inf), np.inf)
+        least = np.where(
+            on, scipy.ndimage.minimum_filter(least, footprint=AROUND, mode="constant", cval=np.inf), np.inf
+        )
     lowest = on & (clearance_m <= least)
-    reached = ndimage.binary_dilation(lowest, AROUND, iterations=max(1, steps // 2), mask=on)
-    return np.where(lowest, label_cells(reached, connectivity=2), 0).astype(np.int32)
+    reached = scipy.ndimage.binary_dilation(lowest, AROUND, iterations=max(1, steps // 2), mask=on)
+    return np.where(lowest, skimage.measure.label(reached, connectivity=2), 0).astype(np.int32)

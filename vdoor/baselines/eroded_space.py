@@ -6,9 +6,8 @@ from dataclasses import dataclass, field
 from typing import Annotated, ClassVar
 
 import numpy as np
+import skimage
 from numpy.typing import NDArray
-from skimage.measure import label as label_cells
-from skimage.segmentation import watershed
 
 from vdoor.baselines.plain import map_of_labels
 from vdoor.baselines.skeleton import clearance_m
@@ -65,7 +64,7 @@ class ErodeSpace:
     def __call__(self, simplified: SimplifiedGrid) -> ErodedSpace:
         """The components in reading order."""
         eroded = clearance_m(simplified) > self.radius_m + EPSILON
-        core, count = label_cells(eroded, connectivity=1, return_num=True)
+        core, count = skimage.measure.label(eroded, connectivity=1, return_num=True)
         core = core.astype(np.int32)
         area_m2 = runs_of(core).cells(count).astype(np.float64) * simplified.frame.resolution_m**2
         return ErodedSpace(
@@ -86,7 +85,9 @@ class GrowRooms:
         free = simplified.cells == FREE
         number = np.append(0, np.cumsum(eroded.kept) * eroded.kept)
         seeds = number[eroded.core] if eroded.kept.any() else free
-        room = watershed(-clearance_m(simplified), seeds.astype(np.int32), mask=free, connectivity=1)
+        room = skimage.segmentation.watershed(
+            -clearance_m(simplified), seeds.astype(np.int32), mask=free, connectivity=1
+        )
         return GrownRooms(room=np.asarray(room, np.int32), frame=simplified.frame)
 
 

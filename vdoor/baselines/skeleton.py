@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
 import numpy as np
+import scipy
+import skimage
 from numpy.typing import NDArray
-from scipy import ndimage
-from skimage.morphology import skeletonize
 
 from vdoor.frame import Frame
 from vdoor.grid import FREE
@@ -33,7 +33,7 @@ class DrawSkeleton:
 
     def __call__(self, simplified: SimplifiedGrid) -> Skeleton:
         """8-connected lines, with the branches towards corners that thinning leaves."""
-        thin = np.asarray(skeletonize(np.pad(simplified.cells == FREE, 1)))[1:-1, 1:-1]
+        thin = np.asarray(skimage.morphology.skeletonize(np.pad(simplified.cells == FREE, 1)))[1:-1, 1:-1]
         return Skeleton(
             cell=np.argwhere(thin).astype(np.int32),
             clearance_m=clearance_m(simplified)[thin],
@@ -47,5 +47,5 @@ def clearance_m(simplified: SimplifiedGrid) -> NDArray[np.float64]:
     Everything outside the map counts as not free.
     """
     free = np.pad(simplified.cells == FREE, 1)
-    distance: NDArray[np.float64] = ndimage.distance_transform_edt(free)
+    distance: NDArray[np.float64] = scipy.ndimage.distance_transform_edt(free)
     return distance[1:-1, 1:-1] * simplified.frame.resolution_m

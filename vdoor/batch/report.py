@@ -17,7 +17,7 @@ import pyarrow.compute as pc
 from vdoor.batch.table import read_tables
 from vdoor.errors import VdoorError
 from vdoor.evaluate.label_files import read_labels
-from vdoor.files import write_whole
+from vdoor.partial import write_whole
 from vdoor.results.writing import png
 
 PAGE = "index.html"

@@ -18,7 +18,8 @@ from typing import Any
 
 from vdoor.emit import RunInfo
 from vdoor.errors import VdoorError
-from vdoor.files import make_folder, write_whole
+from vdoor.files import make_folder
+from vdoor.partial import write_whole
 from vdoor.results.writing import source_table
 
 DIGITS = 16

@@ -13,7 +13,7 @@ from pyarrow import parquet
 
 from vdoor.batch.job import MEASURED, Row
 from vdoor.errors import VdoorError
-from vdoor.files import write_whole
+from vdoor.partial import write_whole
 
 FIGURES = (
     "door_f1", "door_precision", "door_recall", "door_f1_1m", "narrow_recall", "iou", "iou_sym", "mcc", "room_recall",

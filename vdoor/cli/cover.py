@@ -75,7 +75,7 @@ def cover(
         raise SettingError("--return: wanted no --end beside it, found one")
     if keep_order and not room:
         raise SettingError("--order: wanted the rooms in order, by --room, found none")
-    outputs = Outputs(save=save, mcap=mcap)
+    outputs = Outputs(save=save, mcap=mcap, force=force)
     exports = path_exports(export or (), outputs, source, force=force)
     task = CoverFloor(
         unit=unit,

@@ -8,14 +8,15 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from vdoor.cli.options import Force, naming
-from vdoor.errors import VdoorError, say
+from vdoor.cli.options import Force
+from vdoor.errors import VdoorError, naming, say
 
 if TYPE_CHECKING:
     from vdoor.emit import RunInfo, Sink
     from vdoor.export import Export, Finished
     from vdoor.grid import Annotations
     from vdoor.history.provenance import Provenance
+    from vdoor.partial import Staged
     from vdoor.topology import TopologicalMap
 
 
@@ -35,12 +36,18 @@ def export(
             help="Room for keepout or virtual-walls to keep the robot in, by id, name or X,Y; repeatable.",
         ),
     ] = None,
+    robot_radius: Annotated[
+        float | None,
+        typer.Option(
+            "--robot-radius", min=0.001, max=10, metavar="M", help="What nav2-route keeps to walls.  [default: 0.22]"
+        ),
+    ] = None,
     force: Force = False,
 ) -> None:
     """Export a result for other programs.
 
     \b
-    nav2-route     route graph for Nav2's route server (GeoJSON): rooms and doors as nodes, costs in metres
+    nav2-route     route graph for Nav2's route server (GeoJSON): nodes in rooms and doors, costs in metres
     graphml        the graph only: rooms as nodes, doors as edges
     json           the whole result as a node-link graph, with a JSON Schema
     geojson        rooms as polygons with holes, doors as lines, in metres of the map frame
@@ -53,7 +60,7 @@ def export(
     """  # noqa: D301  # \b keeps the lines of the list separate
     from vdoor.export import Export, files_of, read_finished, refuse_files, writer_named
 
-    wanted = Export(writer_named(to), out, tuple(room or ()))
+    wanted = Export(writer_named(to), out, tuple(room or ()), robot_radius)
     refuse_files([wanted], force=force, read=files_of(result))
     finished = read_finished(result, provenance=wanted.takes_provenance)
     with naming(result):
@@ -62,7 +69,7 @@ def export(
     if out is None:
         print(content, end="")
         return
-    for path in wanted.put(content):
+    for path in wanted.put(content, force=force):
         print(path)
 
 
@@ -102,8 +109,16 @@ class RunExports:
         self._provenance = Provenance.of(info)
         return [self._provenance.run]
 
-    def write(self, topology: TopologicalMap, map_file: Path, annotations: Annotations | None) -> VdoorError | None:
-        """Write all exports that this map has; the error of the first one that failed, or None."""
+    def stage(
+        self,
+        staged: Staged,
+        topology: TopologicalMap,
+        map_file: Path,
+        annotations: Annotations | None,
+        *,
+        force: bool,
+    ) -> VdoorError | None:
+        """Stage all exports that this map has; the error of the first one that it has not, or None."""
         if not self.all:
             return None
         from vdoor.export import Finished
@@ -116,6 +131,7 @@ class RunExports:
             except VdoorError as error:
                 refused = refused or type(error)(f"{error}: {map_file}")
             else:
-                item.put(content)
+                for path, data in item.contents(content):
+                    staged.add(path, data, force=force)
                 note_replaced(item, finished)
         return refused

@@ -6,12 +6,14 @@ from typing import Any
 
 from typer.core import TyperGroup
 
+from vdoor.cli.commands import Commands
+
 GROUPS = {
     "run and look": ("run", "batch", "rooms", "room-at", "show", "view", "shot", "config"),
     "debug": ("why", "step", "replay", "diff", "verify", "info", "check", "recover"),
     "drive": ("route", "cover", "order"),
-    "edit": ("rename", "merge", "split", "door"),
-    "export": ("export", "valetudo"),
+    "edit": ("edit", "rename", "merge", "split", "door"),
+    "export": ("export", "nav2", "valetudo"),
     "measure": (
         "evaluate",
         "ablate",
@@ -33,12 +35,17 @@ GROUPS = {
 class Grouped(TyperGroup):
     """Commands listed in groups."""
 
+    def __init__(self, **options: Any) -> None:
+        super().__init__(**options)
+        self.commands: Any = Commands()
+
     def format_commands(self, ctx: Any, formatter: Any) -> None:
         """Write one section for each group."""
-        left = {name: self.get_command(ctx, name) for name in self.list_commands(ctx)}
-        sections = {heading: [(name, left.pop(name, None)) for name in names] for heading, names in GROUPS.items()}
-        for heading, commands in {**sections, "more": [*left.items()]}.items():
-            rows = [(name, command.get_short_help_str(90)) for name, command in commands if command is not None]
+        every = self.list_commands(ctx)
+        sections = {heading: [name for name in names if name in every] for heading, names in GROUPS.items()}
+        grouped = {name for names in sections.values() for name in names}
+        for heading, names in {**sections, "more": [name for name in every if name not in grouped]}.items():
+            rows = [(name, self.commands.summary(name)) for name in names]
             if rows:
                 with formatter.section(f"{heading.capitalize()}"):
                     formatter.write_dl(rows)

@@ -19,12 +19,11 @@ from vdoor.cli.options import (
     Set,
     Unknown,
     chosen_pipeline,
-    naming,
     prepared_pipeline,
     read_grid,
 )
 from vdoor.config import DEFAULT_PRESET
-from vdoor.errors import SettingError, say
+from vdoor.errors import SettingError, naming, say
 from vdoor.navigate import ROBOT_RADIUS_M
 
 if TYPE_CHECKING:
@@ -110,7 +109,7 @@ def route(
     from vdoor.navigate.find_route import FindRoute, Route
     from vdoor.outputs import Outputs
 
-    outputs = Outputs(save=save, mcap=mcap)
+    outputs = Outputs(save=save, mcap=mcap, force=force)
     exports = path_exports(export or (), outputs, source, force=force)
     find = FindRoute(
         start=start,

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from vdoor.errors import SettingError, VdoorError, say
+from vdoor.errors import SettingError, say
 
 if TYPE_CHECKING:
     from vdoor.editing.places import Point
@@ -135,16 +135,6 @@ def _whole_names(pipeline: AnyPipeline, assignments: Sequence[str]) -> Sequence[
         if meant:
             raise SettingError(f"--set: wanted stage.field=value, found {text!r}; did you mean {' or '.join(meant)}?")
     return assignments
-
-
-@contextmanager
-def naming(path: Path, kind: type[VdoorError] = VdoorError) -> Iterator[None]:
-    """Append a file's path to errors of a kind about its content, unless they end with it."""
-    try:
-        yield
-    except kind as error:
-        text = str(error)
-        raise type(error)(text if text.endswith(str(path)) else f"{text}: {path}") from error
 
 
 def robot_place(grid: OccupancyGrid, text: str | None, *, cells: bool) -> tuple[float, float] | None:

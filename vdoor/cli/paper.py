@@ -40,10 +40,8 @@ def paper(
     from vdoor.paper import report, tables
     from vdoor.paper.claims import Size, claims, gather_evidence
     from vdoor.paper.walkthrough import no_progress
-    from vdoor.viz.charts import require_matplotlib
 
     if out is not None:
-        require_matplotlib()
         refuse_folder(out)
         refuse_existing(report.files(out, rrd=rrd), force=force)
     progress = no_progress if quiet else say

@@ -47,7 +47,8 @@ def verify(
 ) -> None:
     """Repeat recorded runs and compare the results: 0 if all are equal, 1 if not, 2 if one cannot be read."""
     from vdoor.engines import over
-    from vdoor.files import refuse_existing, write_whole
+    from vdoor.files import refuse_existing
+    from vdoor.partial import write_whole
     from vdoor.recording import diff_report
 
     if only not in (None, "map"):

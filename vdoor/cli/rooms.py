@@ -57,8 +57,8 @@ def rooms(result: Result, *, as_json: Json = False) -> None:
 
 
 def room_at(
-    place: Annotated[str, typer.Argument(metavar="X,Y", help="Point, metres in the map frame.")],
     result: Result,
+    place: Annotated[str, typer.Argument(metavar="X,Y", help="Point, metres in the map frame.")],
     *,
     cells: Annotated[bool, typer.Option("--cells", help="The point is COL,ROW of the map instead.")] = False,
     as_json: Json = False,

@@ -30,7 +30,8 @@ from vdoor.cli.options import (
     read_grid,
     robot_place,
 )
-from vdoor.cli.run_edits import EditNotes, leave_edits, matched, with_edits
+from vdoor.cli.run_edits import EditNotes, edit_files, matched, with_edits
+from vdoor.cli.run_search import SearchNotes
 from vdoor.config import DEFAULT_PRESET
 from vdoor.errors import SettingError, say
 
@@ -94,7 +95,7 @@ def run(
 
     if more:
         raise SettingError(f"run: wanted one map, found {len(more) + 1}; `vdoor batch` runs many: {more[0]}")
-    outputs = Outputs(save=save, mcap=mcap, connect=connect, serve=serve, spawn=spawn)
+    outputs = Outputs(save=save, mcap=mcap, connect=connect, serve=serve, spawn=spawn, force=force)
     exports = RunExports(export or ())
     written = [*outputs.files, *([out / name for name in writing.NAMES] if out else []), *exports.files]
     _refuse_outputs(written, out, [map_file, *([edits] if edits else [])], force=force)
@@ -118,20 +119,27 @@ def run(
         pipeline, found = matched(match, grid, pipeline, seed=seed, edits_too=edits is None, quiet=quiet)
     info = run_info(grid, preset, pipeline, seed)
     with opened(outputs, info) as recording:
-        notes = [*([] if quiet else [Progress(verbose=verbose)]), *EditNotes.sinks(pipeline, quiet=quiet)]
+        notes = [
+            *([] if quiet else [Progress(verbose=verbose)]),
+            *EditNotes.sinks(pipeline, quiet=quiet),
+            *SearchNotes.sinks(pipeline, quiet=quiet),
+        ]
         watch = Stopwatch(Recorder([*recording.sinks, *exports.sinks(info), *notes]))
         with naming_path(map_file, grid):
             topology = run_prepared(grid, pipeline, seed=seed, emit=watch)
-        recording.finish_files()
         annotations = read_annotations(grid.source)
         topology = named_by_robot(topology, annotations)
         document = writing.document_of(topology, info, watch.cpu_s) | ({"match": found.document()} if found else {})
         if out:
-            writing.write_result(out, grid, topology, document)
-            leave_edits(out, pipeline.edit.edits, quiet=quiet)
+            recording.staged.make_folder(out)
+            for name, content in writing.contents_of(out, grid, topology, document):
+                recording.staged.add(out / name, content, force=force)
+            for path, content in edit_files(out, pipeline.edit.edits, quiet=quiet):
+                recording.staged.add(path, content)
+        refused = exports.stage(recording.staged, topology, map_file, annotations, force=force)
+        recording.finish_files()
         if not quiet:
             _note_left_out(grid, topology)
-        refused = exports.write(topology, map_file, annotations)
         _print_result(topology, document, as_json=as_json)
         if refused:
             raise refused
@@ -155,6 +163,9 @@ def _refuse_outputs(written: Sequence[Path], folder: Path | None, reads: Sequenc
     refuse_existing(written, force=force, reads=reads)
     if folder:
         refuse_folder(folder)
+    for path in written:
+        if not path.parent.is_dir() and path.parent != folder:
+            raise SettingError(f"output: wanted an existing folder for it, found none: {path}")
 
 
 def _refuse_sources(written: Sequence[Path], map_file: Path, grid: OccupancyGrid) -> None:

@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from vdoor.pipeline import AnyPipeline
     from vdoor.record import Record
 
-EDITS = "edits.toml"
 LEAST_OVERLAP = 0.5
 """Maps that share less of their rooms' area are probably not of the same place."""
 
@@ -44,27 +43,27 @@ def with_edits(
     return dataclasses.replace(pipeline, edit=edit)
 
 
-def leave_edits(folder: Path, lines: Sequence[str], *, quiet: bool) -> None:
-    """Write the edits of a run into its folder; other edits found there are kept under another name."""
-    from vdoor.editing.edits import append_edits, parse, read_edits
-    from vdoor.files import write_whole
+def edit_files(folder: Path, lines: Sequence[str], *, quiet: bool) -> list[tuple[Path, bytes]]:
+    """The files, with contents, that keep the edits of a run in its folder; other edits there get another name."""
+    from vdoor.editing.edits import MOST_BYTES, appended, parse, read_edits
+    from vdoor.files import read_regular
+    from vdoor.results.editor import EDITS
 
     path, before = folder / EDITS, folder / f"before.{EDITS}"
     edits = [parse(line) for line in lines]
-    existing = path.read_bytes() if path.is_file() else None
+    existing = read_regular(path, "edits as TOML", limit=MOST_BYTES) if path.exists() else None
     if not edits:
         if existing is not None and not quiet:
             say(f"note: edits in the folder were not applied (--edits applies them): {path}")
-        return
+        return []
     if existing is not None:
         with contextlib.suppress(VdoorError):  # for example invalid text written by hand
             if read_edits(path) == edits:
-                return
-        write_whole(before, existing)
-        path.unlink()
+                return []
         if not quiet:
             say(f"note: the folder had other edits, which are kept: {before}")
-    append_edits(path, edits)
+    kept = [(before, existing)] if existing is not None else []
+    return [*kept, (path, appended(path, edits, keep=False))]
 
 
 def matched(

@@ -108,10 +108,6 @@ def _refuse_pictures(save: Path | None, png: Path | None, *, force: bool) -> Non
         if not path.parent.is_dir():
             raise SettingError(f"output: wanted an existing folder, found none: {path.parent}")
         refuse_folder(path.parent)
-    if png is not None:
-        from vdoor.viz.charts import require_matplotlib
-
-        require_matplotlib()
 
 
 def _draw(points: list[Point], save: Path | None, png: Path | None) -> None:
@@ -121,7 +117,7 @@ def _draw(points: list[Point], save: Path | None, png: Path | None) -> None:
 
         save_sweeps(save, points)
     if png is not None:
-        from vdoor.files import write_whole
+        from vdoor.partial import write_whole
         from vdoor.viz.charts import sweep_png
 
         write_whole(png, sweep_png(points))

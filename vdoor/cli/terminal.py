@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from vdoor.cli.options import Json, naming, place_in
-from vdoor.errors import SettingError, no_such, say
+from vdoor.cli.options import Json, place_in
+from vdoor.errors import SettingError, naming, no_such, say
 
 if TYPE_CHECKING:
     from rich.console import Console

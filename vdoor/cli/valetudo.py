@@ -8,9 +8,9 @@ from typing import Annotated
 import typer
 
 from vdoor.cli.export import note_replaced
-from vdoor.cli.options import Force, naming
+from vdoor.cli.options import Force
 from vdoor.cli.rooms import Result
-from vdoor.errors import SettingError, say
+from vdoor.errors import SettingError, naming, say
 
 
 def valetudo(
@@ -38,7 +38,8 @@ def valetudo(
     from vdoor.export import Export, files_of, read_finished, writer_named
     from vdoor.export import valetudo as requests
     from vdoor.export.virtual_walls import to_walls
-    from vdoor.files import refuse_existing, write_whole
+    from vdoor.files import refuse_existing
+    from vdoor.partial import write_whole
 
     if sum(map(bool, (clean, segments, walls))) != 1:
         raise SettingError("valetudo: wanted one of --clean, --segments, --keep-in, found none or several")

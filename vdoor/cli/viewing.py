@@ -6,7 +6,7 @@ import os
 import sys
 import tempfile
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -40,7 +40,7 @@ def replay(
     from vdoor.files import refuse_existing
     from vdoor.outputs import Outputs
 
-    outputs = Outputs(save=save, connect=connect, serve=serve, spawn=spawn)
+    outputs = Outputs(save=save, connect=connect, serve=serve, spawn=spawn, force=force)
     if not (save or connect or serve or spawn):
         raise SettingError("replay: wanted somewhere to draw, one of --save, --connect, --serve, --spawn")
     refuse_existing(outputs.files, force=force, reads=[recording])
@@ -54,14 +54,17 @@ def shot(
     *,
     out: Annotated[Path, typer.Option("--out", "-o", metavar="DIR", help="Folder for the pictures.")],
     stage: Annotated[list[str] | None, typer.Option(help="Only this tab, such as Doors; repeatable.")] = None,
-    size: Annotated[str, typer.Option(metavar="WxH", help="Size of the pictures in pixels.")] = "1600x1000",
+    size: Annotated[str, typer.Option(metavar="WxH", help="Pictures are at most that large, in pixels.")] = "1600x1000",
+    viewer: Annotated[
+        bool, typer.Option("--viewer", help="Take screenshots of the Rerun viewer, as of an .rrd; needs Vulkan.")
+    ] = False,
     force: Force = False,
 ) -> None:
     """Write a PNG picture of each stage; needs no screen."""
-    from vdoor.files import make_folder, refuse_existing, write_whole
+    from vdoor.explain.stages import tabs_of
+    from vdoor.files import make_folder, refuse_existing
+    from vdoor.partial import write_whole
     from vdoor.pipeline import RECORDS
-    from vdoor.viz.rerun.blueprint import tabs_of
-    from vdoor.viz.rerun.shot import shots
 
     names = tabs_of(RECORDS, {})
     by_name = {tab.lower(): tab for tab in names}
@@ -70,10 +73,38 @@ def shot(
         raise SettingError(f"--stage: {no_such('tab', unknown[0], names)}")
     tabs = tuple(by_name[name.lower()] for name in stage) if stage else None
     refuse_existing((path for tab in tabs or names for path in out.glob(f"*_{_file_name(tab)}")), force=force)
+    taken = _screenshots if viewer or _is_rrd(recording) else _drawn
+    for number, tab, png in taken(recording, tabs, _size(size)):
+        make_folder(out)
+        print(write_whole(out / f"{number}_{_file_name(tab)}", png))
+
+
+Pictures = Iterator[tuple[int, str, bytes]]
+"""Number, tab and PNG of each picture."""
+
+
+def _drawn(recording: Path, tabs: Sequence[str] | None, size: tuple[int, int]) -> Pictures:
+    """Pictures of the records themselves, of the intact part of a recording."""
+    _refuse_unreadable(recording)
+    from vdoor.history import History
+    from vdoor.pipeline import RECORDS
+    from vdoor.recording.mcap import read_recording
+    from vdoor.viz.picture.pictures import pictures
+
+    run = History.read(read_recording(recording, types=RECORDS))
+    if run.damage:
+        say(f"note: only the intact part was drawn; {run.damage}")
+    for picture in pictures(run, tabs=tabs, size=size):
+        yield picture.number, picture.tab, picture.png
+
+
+def _screenshots(recording: Path, tabs: Sequence[str] | None, size: tuple[int, int]) -> Pictures:
+    """Screenshots of what the viewer shows."""
+    from vdoor.viz.rerun.shot import shots
+
     with _as_rrd(recording) as drawn:
-        for picture in shots(drawn, tabs=tabs, size=_size(size)):
-            make_folder(out)
-            print(write_whole(out / f"{picture.number}_{_file_name(picture.tab)}", picture.png))
+        for picture in shots(drawn, tabs=tabs, size=size):
+            yield picture.number, picture.tab, picture.png
             for problem in picture.problems:
                 say(f"note: {picture.tab}: {problem}")
 

@@ -6,8 +6,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy import ndimage
 
 from vdoor.editing.places import Point
 from vdoor.editing.split_room import within
@@ -55,7 +55,7 @@ def openings(free: Mask, frame: Frame, places_m: Iterable[Point]) -> list[Openin
 
 def _with_room(free: Mask, least: float) -> Mask:
     """The free cells in 4-connected parts of at least `least` cells."""
-    label, _ = ndimage.label(free)
+    label, _ = scipy.ndimage.label(free)
     cells = np.bincount(label.ravel())
     cells[0] = 0
     return np.asarray(cells[label] >= least)

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from vdoor.editing.split_room import borders, clipped, parts, prolonged, room_of_line
 from vdoor.frame import Frame
@@ -148,7 +148,7 @@ class Draft:
             return
         cells = np.argwhere(own)
         place = self.frame.cell_from_world(self._features.point_m[rows]) - corner
-        _, nearest = cKDTree(cells).query(place)
+        _, nearest = scipy.spatial.cKDTree(cells).query(place)
         numbers = self._features.room.copy()
         numbers[rows] = after[tuple(cells[nearest].T)]
         self._features = self._features._replace(room=numbers)

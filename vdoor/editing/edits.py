@@ -28,11 +28,14 @@ from typing import Any, NamedTuple
 
 from vdoor.editing.places import Point, parse_place, place_text
 from vdoor.errors import SettingError, VdoorError
-from vdoor.files import write_whole
+from vdoor.files import read_regular
+from vdoor.partial import write_whole
 from vdoor.record import TEXT
 
 MOST_ID = 65_535
 """Highest id that a 16-bit label image can store."""
+MOST_BYTES = 1 << 24
+"""Largest size of a file of edits."""
 HEADER = "# Edits of rooms and doors, applied in order: vdoor run MAP --edits THIS_FILE\n"
 
 
@@ -122,11 +125,16 @@ def read_edits(path: Path) -> list[Edit]:
 
 def append_edits(path: Path, edits: Sequence[Edit]) -> None:
     """Append edits to a TOML file, created if missing; its existing text is kept."""
-    text = _read(path)[0] if path.exists() else HEADER
+    write_whole(path, appended(path, edits))
+
+
+def appended(path: Path, edits: Sequence[Edit], *, keep: bool = True) -> bytes:
+    """The content of a TOML file with edits appended to its existing text, or, without `keep`, of a new file."""
+    text = _read(path)[0] if keep and path.exists() else HEADER
     text += "" if text.endswith("\n") or not text else "\n"
     text += "".join(f"\n{to_toml(edit)}" for edit in edits)
     _parsed(text, path)
-    write_whole(path, text.encode())
+    return text.encode()
 
 
 def to_toml(edit: Edit) -> str:
@@ -142,12 +150,11 @@ def to_toml(edit: Edit) -> str:
 
 def _read(path: Path) -> tuple[str, list[Edit]]:
     """The text of a TOML file, and its edits."""
+    data = read_regular(path, "edits as TOML", limit=MOST_BYTES, error=SettingError)
     try:
-        text = path.read_text(encoding="utf-8")
+        text = data.decode()
     except UnicodeDecodeError as error:
         raise SettingError(f"edits file: wanted TOML, found: {error}: {path}") from error
-    except (OSError, ValueError) as error:
-        raise SettingError(f"edits file: {getattr(error, 'strerror', None) or error}: {path}") from error
     return text, _parsed(text, path)
 
 

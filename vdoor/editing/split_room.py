@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy import ndimage
 
 from vdoor.raster.labels import flooded
 
@@ -91,7 +91,7 @@ def parts(own: Mask, cells: Ints, least: float) -> tuple[Ints, int]:
     """
     rest = own.copy()
     rest[tuple(cells.T)] = False
-    label, count = ndimage.label(rest)
+    label, count = scipy.ndimage.label(rest)
     size = np.bincount(label.ravel(), minlength=count + 1)
     order = [part for part in np.argsort(-size[1:], kind="stable") + 1 if size[part] >= least]
     number = np.zeros(count + 1, np.int32)

@@ -8,9 +8,8 @@ from __future__ import annotations
 from dataclasses import astuple, dataclass
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.optimize import linear_sum_assignment
-from scipy.spatial import ConvexHull, QhullError
 
 from vdoor.evaluate.label_files import Labels, flooded
 from vdoor.raster.components import contact_pieces, contacts
@@ -84,8 +83,8 @@ def contact_doors(labels: Labels, free: NDArray[np.bool_], resolution_m: float) 
 def _farthest(places: NDArray[np.float64]) -> NDArray[np.float64]:
     """The two (2, 2) of the points (k, 2) that are farthest apart."""
     try:
-        outer = places[ConvexHull(places).vertices]
-    except QhullError:  # all on one line
+        outer = places[scipy.spatial.ConvexHull(places).vertices]
+    except scipy.spatial.QhullError:  # all on one line
         return places[np.lexsort(places.T)[[0, -1]]]
     apart = np.hypot(*(outer[:, None] - outer[None]).transpose(2, 0, 1))
     return outer[list(np.unravel_index(apart.argmax(), apart.shape))]
@@ -178,7 +177,7 @@ def nearest_pairs(one_m: NDArray[np.float64], other_m: NDArray[np.float64], limi
     near = apart_m <= limit_m
     # One more pair outweighs all distances together.
     out_of_reach_m = limit_m * (min(apart_m.shape) + 1)
-    one, other = linear_sum_assignment(np.where(near, apart_m, out_of_reach_m))
+    one, other = scipy.optimize.linear_sum_assignment(np.where(near, apart_m, out_of_reach_m))
     paired = near[one, other]
     return one[paired], other[paired]
 

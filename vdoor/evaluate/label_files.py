@@ -8,10 +8,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy import ndimage
 
 from vdoor.errors import VdoorError
+from vdoor.files import read_regular
 from vdoor.formats import MAX_CELLS, images
 from vdoor.formats.occupancy import GreyImage
 
@@ -20,6 +21,8 @@ LABEL_SUFFIXES = (".png", ".npy")
 
 MIN_ROOM_M2 = 0.25
 """Rooms of at most this area are ignored: 100 cells of 5 cm."""
+MOST_BYTES = 1 << 31
+"""Largest size of a file."""
 MOST_ROOMS = 5_000
 """All pairs of rooms are compared; an image with more is noise."""
 WHITE_FROM = 251
@@ -54,23 +57,16 @@ def read_image(path: Path) -> GreyImage:
 
 
 def read_bytes(path: Path) -> bytes:
-    """The content of a file; raises `VdoorError` if it cannot be read."""
-    try:
-        if path.exists() and not path.is_file():
-            raise VdoorError(f"file: wanted a regular file, found something else: {path}")
-        return path.read_bytes()
-    except (OSError, ValueError) as error:
-        if isinstance(error, VdoorError):
-            raise
-        reason = getattr(error, "strerror", None) or str(error)
-        raise VdoorError(f"file: cannot be read ({reason}): {path}") from error
+    """The content of a regular file; raises `VdoorError` if it cannot be read or is too large."""
+    return read_regular(path, "a label image, array or table", limit=MOST_BYTES)
 
 
 def read_table(path: Path) -> dict[str, Any]:
     """The object in a JSON file; raises `VdoorError` if there is none."""
+    content = read_bytes(path)
     try:
-        table = json.loads(read_bytes(path))
-    except (UnicodeDecodeError, json.JSONDecodeError, RecursionError) as error:
+        table = json.loads(content)
+    except (ValueError, RecursionError) as error:
         raise VdoorError(f"JSON: wanted a complete file, found a damaged one: {path}") from error
     if not isinstance(table, dict):
         raise VdoorError(f"JSON: wanted an object, found a {type(table).__name__}: {path}")
@@ -111,7 +107,7 @@ def rooms_of(labels: NDArray[Any], resolution_m: float) -> Labels:
 
 def labels_of_blobs(greys: NDArray[np.uint8]) -> Labels:
     """The labels (h, w) of rooms drawn white and separated by darker lines; diagonal neighbours are one room."""
-    labels, _ = ndimage.label(greys >= WHITE_FROM, structure=np.ones((3, 3)))
+    labels, _ = scipy.ndimage.label(greys >= WHITE_FROM, structure=np.ones((3, 3)))
     return np.asarray(labels, np.int32)
 
 

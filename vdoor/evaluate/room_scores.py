@@ -21,8 +21,8 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.optimize import linear_sum_assignment
 
 from vdoor.evaluate.label_files import Labels
 
@@ -94,7 +94,7 @@ def _pairs(cells: Table) -> tuple[NDArray[np.int32], NDArray[np.float64]]:
     overlap = cells[1:, 1:]
     union = cells[1:].sum(axis=1)[:, None] + cells[:, 1:].sum(axis=0) - overlap
     iou = overlap / np.maximum(union, 1)
-    true, found = linear_sum_assignment(iou, maximize=True)
+    true, found = scipy.optimize.linear_sum_assignment(iou, maximize=True)
     touching = overlap[true, found] > 0
     true, found = true[touching], found[touching]
     return np.stack([true, found], axis=1).astype(np.int32) + 1, iou[true, found]

@@ -12,8 +12,8 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
+import skimage
 from numpy.typing import NDArray
-from skimage.measure import block_reduce
 
 from vdoor.frame import Frame
 from vdoor.grid import FREE, FREE_TO, OCCUPIED, UNKNOWN, OccupancyGrid
@@ -58,7 +58,7 @@ def coarsen(sheet: Sheet, _: np.random.Generator, *, cell_m: float = COARSE_M) -
     factor = max(1, round(cell_m / sheet.grid.frame.resolution_m))
     frame = working_frame(sheet.grid.frame, factor)
     grid = OccupancyGrid(cells=resampled(sheet.grid, factor), frame=frame, source=sheet.grid.source)
-    return Sheet(grid, block_reduce(sheet.free, factor, np.any) & grid.free)
+    return Sheet(grid, skimage.measure.block_reduce(sheet.free, factor, np.any) & grid.free)
 
 
 def roughen(sheet: Sheet, rng: np.random.Generator, *, noise: float = NOISE, specks: float = SPECKS) -> Sheet:

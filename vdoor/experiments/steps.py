@@ -146,7 +146,7 @@ def _listed(text: str) -> tuple[Any, ...] | None:
     """Values of a TOML array without brackets; None if the text is not one."""
     try:
         return tuple(tomllib.loads(f"values = [{text}]")["values"])
-    except tomllib.TOMLDecodeError:
+    except (ValueError, RecursionError):
         return None
 
 

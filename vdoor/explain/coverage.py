@@ -10,6 +10,9 @@ import numpy as np
 from vdoor.navigate.cover_floor import Coverage
 from vdoor.navigate.coverage.path import KINDS
 
+PURPOSES = {"way": "on the way to the next lane or room", "wall": "along walls and islands", "lane": "lanes"}
+"""What a part of a path is for, in words."""
+
 
 def described(coverage: Coverage) -> str:
     """A path in one line: how much it covers, how long and how winding it is."""

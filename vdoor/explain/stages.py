@@ -5,8 +5,9 @@ A stage without a row is shown by the fields of its record.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -49,7 +50,7 @@ class StageView:
     tab: str
     """Tab of the viewer that shows the stage."""
     meaning: str = ""
-    """Legend of the tab; empty if another stage of the tab has it."""
+    """What the tab shows, in words for people who have not read the paper; empty if another stage of the tab has it."""
     element: str = ""
     """What the stepper visits in this stage: samples, virtual doors, generations or doors of the final map."""
     stops: Callable[[History], Numbers] = lambda _: np.zeros(0, np.int64)
@@ -151,7 +152,10 @@ STAGE_VIEWS = (
         title="simplified grid: changed cells and reasons",
         summary=_simplified_summary,
         tab="Simplified",
-        meaning="the working grid; coloured cells were changed: unreachable, jut, notch, island",
+        meaning=(
+            "Left the map as it was read, right the grid on which all further stages work: coloured cells were "
+            "changed, each colour for a reason of its own."
+        ),
         words={
             "unreachable": "not reachable by the robot and not next to reachable space; set to unknown",
             "jut": "a short bump on a wall; set to free",
@@ -167,7 +171,10 @@ STAGE_VIEWS = (
         title="left-hand path along the boundary",
         summary=_path_summary,
         tab="Path",
-        meaning="boundary (yellow), position and heading of the walk",
+        meaning=(
+            "The line between floor and walls, walked with the wall on the left. All later stages measure along "
+            "this line."
+        ),
         element="sample",
         stops=lambda run: np.arange(len(run.path.cell)),
     ),
@@ -177,7 +184,10 @@ STAGE_VIEWS = (
         title="curvature along the path",
         summary=_curvature_summary,
         tab="Curvature",
-        meaning="angle between f and b; samples below the threshold are candidates",
+        meaning=(
+            "How sharply the wall bends: at each sample of the line, the angle between the way ahead and the way "
+            "back. It is 180° where the wall is straight; where it is under the threshold, there may be a corner."
+        ),
         element="sample",
         stops=lambda run: np.arange(len(run.path.cell)),
     ),
@@ -196,7 +206,10 @@ STAGE_VIEWS = (
         title="corners: the sharpest candidates in their neighbourhood",
         summary=lambda run: _convex_summary(run.corners.convex),
         tab="Corners",
-        meaning="candidates (small) and corner features (large); blue convex, green concave",
+        meaning=(
+            "Where the wall bends: candidates (small dots), and the corners chosen among them (large dots). "
+            "Convex corners stick out into the floor, as door jambs do; concave ones are those of a room."
+        ),
         element="sample",
         stops=lambda run: np.sort(run.corners.sample),
     ),
@@ -213,7 +226,10 @@ STAGE_VIEWS = (
         title="narrow places of the skeleton",
         summary=_narrows_summary,
         tab="Narrow places",
-        meaning="skeleton of the free space; narrow places (blue) and rejected ones",
+        meaning=(
+            "Points that are as far from the walls on either side as they can be, and where that is least: a line"
+            " from wall to wall there is a door (blue), unless it is ruled out (grey)."
+        ),
     ),
     StageView(
         record=ErodedSpace,
@@ -221,7 +237,10 @@ STAGE_VIEWS = (
         title="cores: eroded free space",
         summary=lambda run: f"{len(run.eroded.kept)} parts, {int(run.eroded.kept.sum())} of them cores of rooms",
         tab="Cores",
-        meaning="eroded free space, and the rooms grown back from it",
+        meaning=(
+            "The floor that is left when walls are made much thicker: each part that is large enough (coloured) "
+            "is the core of a room, and grows back until it meets the others."
+        ),
     ),
     StageView(
         record=GrownRooms,
@@ -236,7 +255,10 @@ STAGE_VIEWS = (
         title="virtual doors, proposed and rejected",
         summary=_doors_summary,
         tab="Doors",
-        meaning="proposed doors (blue), and rejected doors in one layer per reason",
+        meaning=(
+            "Virtual doors: straight lines over free floor, from a convex corner to another corner or wall, where"
+            " a door may be. Rejected ones are drawn by reason."
+        ),
         element="door",
         stops=lambda run: np.arange(len(run.doors.verdict)),
     ),
@@ -246,7 +268,10 @@ STAGE_VIEWS = (
         title="door scores: evidence for and against each proposed door",
         summary=_scores_summary,
         tab="Scores",
-        meaning="likely doors from doubtful (orange) to sure (green), unlikely and outdone ones; lines mark conflicts",
+        meaning=(
+            "How likely each proposed door is a real one, from doubtful (orange) to sure (green). Thin lines are "
+            "left out of the search."
+        ),
         element="door",
         stops=lambda run: run.scores.door,
     ),
@@ -256,7 +281,10 @@ STAGE_VIEWS = (
         title="initial map: regions between the doors",
         summary=_initial_summary,
         tab="Initial map",
-        meaning="regions, rooms (yellow) and doors (red) as a graph",
+        meaning=(
+            "All doors that are left cut the floor into regions, each in a colour. The graph joins each region "
+            "with the doors on its border. The search then decides which doors to keep."
+        ),
         element="door",
         stops=lambda run: np.sort(run.initial.door),
     ),
@@ -266,7 +294,10 @@ STAGE_VIEWS = (
         title="search: which doors to remove",
         summary=_search_summary,
         tab="Search",
-        meaning="cost, its three terms, kept doors",
+        meaning=(
+            "Which doors are kept: the search tries many choices, and the cost of the best one falls from "
+            "generation to generation."
+        ),
         element="generation",
         stops=lambda run: np.arange(len(run.search)),
         needs="search",
@@ -291,7 +322,7 @@ STAGE_VIEWS = (
         title="rooms and doors",
         summary=_map_summary,
         tab="Rooms",
-        meaning="the result",
+        meaning="The result: rooms in colour, the doors between them, and the graph of rooms and doors.",
         element="final",
         stops=lambda run: np.arange(len(run.topology.kind)),
     ),
@@ -301,7 +332,7 @@ STAGE_VIEWS = (
         title="route on the final map",
         summary=lambda run: routes.described(run.route),
         tab="Route",
-        meaning="the path over the rooms; on the timeline `drive` the robot drives along it",
+        meaning="The robot's path over the rooms, or what is in its way.",
     ),
     StageView(
         record=Coverage,
@@ -309,7 +340,7 @@ STAGE_VIEWS = (
         title="path that covers the floor",
         summary=lambda run: coverage.described(run.coverage),
         tab="Coverage",
-        meaning="passes along walls, lanes and ways between; on the timeline `drive` the swept floor fills with colour",
+        meaning="The path whose tool sweeps the floor, room after room.",
     ),
 )
 """All stages that have a row, in the order in which they are shown."""
@@ -324,3 +355,32 @@ def view_of(record: type[Record]) -> StageView:
     return StageView(
         record=record, name=name, title=name.lower(), summary=lambda run: sizes(run.get(record)), tab=name, meaning=name
     )
+
+
+OVERVIEW = "Overview"
+OVERVIEW_MEANING = (
+    "The rooms and doors that were found, and two curves on the way there: how sharply the wall bends, along the wall, "
+    "and the cost of the chosen doors while the search went on."
+)
+
+
+def tabs_of(records: Iterable[type[Record]], settings: Mapping[str, Any]) -> tuple[str, ...]:
+    """Tabs that a run with these records and settings has content for; without settings, with any."""
+    shown = [
+        view for view in map(view_of, in_order(records)) if not (view.needs and settings) or view.needs in settings
+    ]
+    return tuple(dict.fromkeys([OVERVIEW, *(view.tab for view in shown)]))
+
+
+def in_order(records: Iterable[type[Record]]) -> list[type[Record]]:
+    """The records in the order of the rows of `STAGE_VIEWS`; those without a row come last."""
+    given = list(records)
+    own = [view.record for view in STAGE_VIEWS if view.record in given]
+    return [*own, *(record for record in given if record not in own)]
+
+
+def sentence_of(tab: str) -> str:
+    """What a tab shows; for a tab without a row, its name."""
+    if tab == OVERVIEW:
+        return OVERVIEW_MEANING
+    return next((view.meaning for view in STAGE_VIEWS if view.tab == tab and view.meaning), tab)

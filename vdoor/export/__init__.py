@@ -22,7 +22,8 @@ from vdoor.export.report import to_report
 from vdoor.export.rmf import to_rmf
 from vdoor.export.svg import to_svg
 from vdoor.export.virtual_walls import to_virtual_walls
-from vdoor.files import refuse_existing, write_whole
+from vdoor.files import refuse_existing
+from vdoor.partial import together
 from vdoor.results.reading import Finished, files_of, read_finished
 from vdoor.topology import TopologicalMap
 
@@ -61,12 +62,12 @@ class Writer(NamedTuple):
 
 
 WRITERS = (
-    Writer("nav2-route", to_nav2_route),
+    Writer("nav2-route", to_nav2_route, takes=("annotations", "radius_m")),
     Writer("graphml", to_graphml),
     Writer("json", to_json),
     Writer("geojson", to_geojson),
     Writer("labels", to_labels, image=True),
-    Writer("keepout", to_keepout, takes=("rooms",), image=True, needs_rooms=True),
+    Writer("keepout", to_keepout, takes=("rooms", "annotations"), image=True, needs_rooms=True),
     Writer("virtual-walls", to_virtual_walls, takes=("rooms", "annotations")),
     Writer("rmf", to_rmf),
     Writer("svg", to_svg),
@@ -93,6 +94,8 @@ class Export:
     path: Path | None = None
     rooms: tuple[int | str, ...] = ()
     """Rooms by id, or as text by id, name or place."""
+    radius_m: float | None = None
+    """The robot's radius; the format's own default if None."""
 
     def __post_init__(self) -> None:
         """Check what does not need the map."""
@@ -100,6 +103,8 @@ class Export:
         if self.rooms and "rooms" not in self.writer.takes:
             takers = " or ".join(writer.name for writer in WRITERS if "rooms" in writer.takes)
             raise SettingError(f"--room: wanted the format {takers}, found {name}")
+        if self.radius_m is not None and "radius_m" not in self.writer.takes:
+            raise SettingError(f"--robot-radius: wanted the format nav2-route, found {name}")
         if self.writer.needs_rooms and not self.rooms:
             raise SettingError(f"{name}: wanted the rooms to keep open (--room of `vdoor export`), found none")
         if self.writer.image and self.path is None:
@@ -130,19 +135,32 @@ class Export:
     def content(self, finished: Finished) -> str | Raster:
         """Text or image; `VdoorError` if the map cannot be written in this format."""
         rooms = tuple(_room_id(finished.topology, room) for room in self.rooms)
-        choices = {"rooms": rooms, "provenance": finished.provenance, "annotations": finished.annotations}
-        return self.writer.write(finished.topology, **{name: choices[name] for name in self.writer.takes})
+        choices: dict[str, object] = {
+            "rooms": rooms,
+            "provenance": finished.provenance,
+            "annotations": finished.annotations,
+        }
+        choices |= {} if self.radius_m is None else {"radius_m": self.radius_m}
+        taken = {name: value for name, value in choices.items() if name in self.writer.takes}
+        return self.writer.write(finished.topology, **taken)
 
-    def put(self, content: str | Raster) -> list[Path]:
-        """Write the files, each atomically; `VdoorError` if they cannot be written."""
+    def contents(self, content: str | Raster) -> list[tuple[Path, bytes]]:
+        """The files to write, with their bytes."""
         if self.path is None:
             raise SettingError(f"{self.writer.name}: wanted a file to write, found none")
-        files = content.files(self.path) if isinstance(content, Raster) else [(self.path, content.encode())]
-        return [write_whole(path, data) for path, data in files]
+        return content.files(self.path) if isinstance(content, Raster) else [(self.path, content.encode())]
 
-    def write(self, finished: Finished) -> list[Path]:
+    def put(self, content: str | Raster, *, force: bool = True) -> list[Path]:
+        """Write the files, all or none; `VdoorError` if they cannot be written, or exist and not `force`."""
+        files = self.contents(content)
+        with together() as staged:
+            for path, data in files:
+                staged.add(path, data, force=force)
+        return [path for path, _ in files]
+
+    def write(self, finished: Finished, *, force: bool = True) -> list[Path]:
         """Write the files of a map; `VdoorError` if the map has no such format or the files cannot be written."""
-        return self.put(self.content(finished))
+        return self.put(self.content(finished), force=force)
 
 
 def _room_id(topology: TopologicalMap, room: int | str) -> int:
@@ -163,4 +181,4 @@ def save(
     """
     export = Export(writer_named(to), Path(path), tuple(map(str, rooms)))
     refuse_files([export], force=force)
-    return export.write(Finished(topology))
+    return export.write(Finished(topology), force=force)

@@ -17,13 +17,17 @@ def to_geojson(topology: TopologicalMap) -> str:
     as long as the door, so that of a passage extends half a cell beyond `start_m` and `end_m`.
     """
     refuse_not_finite(topology)
-    rooms = [
-        feature("Polygon", right_handed(room.polygon_m), _room(room), id=f"room-{room.id}") for room in topology.rooms
-    ]
+    rooms = [feature(*_shape(room), _room(room), id=f"room-{room.id}") for room in topology.rooms]
     doors = [
         feature("LineString", line_m(topology, door), _door(door), id=f"door-{door.id}") for door in topology.doors
     ]
     return collection_text("vdoor", [*rooms, *doors])
+
+
+def _shape(room: Room) -> tuple[str, tuple[Any, ...]]:
+    """The kind of geometry and its coordinates: a polygon, or several for a room of several parts."""
+    parts = tuple(right_handed(part) for part in room.parts_m)
+    return ("Polygon", parts[0]) if len(parts) == 1 else ("MultiPolygon", parts)
 
 
 def _room(room: Room) -> dict[str, object]:

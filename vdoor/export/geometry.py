@@ -7,12 +7,19 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from vdoor.errors import SettingError, VdoorError
 from vdoor.topology import Door, Polygon, TopologicalMap, signed_area_m2
 
 Point = tuple[float, float]
 Line = tuple[Point, Point]
+
+
+def to_mm(place_m: Sequence[float] | NDArray[np.float64]) -> Point:
+    """A point x, y rounded to the millimetre: maps are not more exact, and people read the numbers."""
+    x_m, y_m = place_m
+    return round(float(x_m), 3) + 0.0, round(float(y_m), 3) + 0.0  # no -0.0
 
 
 def line_m(topology: TopologicalMap, door: Door) -> Line:

@@ -9,8 +9,6 @@ from importlib import resources
 from operator import itemgetter
 from typing import Any
 
-import networkx as nx
-
 from vdoor.export.geometry import refuse_not_finite
 from vdoor.topology import Door, Room, TopologicalMap
 
@@ -24,6 +22,8 @@ def to_graphml(topology: TopologicalMap) -> str:
     """
     refuse_not_finite(topology)
     source = topology.to_networkx()
+    import networkx as nx  # noqa: PLC0415  # a seventh of a second
+
     graph: nx.MultiGraph[int] = nx.MultiGraph()
     for room, fields in source.nodes(data=True):
         graph.add_node(room, **_flat(fields))

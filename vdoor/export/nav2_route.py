@@ -1,75 +1,103 @@
-"""Nav2's route graph: rooms, doors and the bends between them as nodes, with edges in both directions."""
+"""Nav2's route graph: nodes in rooms and doors, and straight edges through free space, in both directions."""
 
 from __future__ import annotations
 
 import itertools
 import math
-from itertools import pairwise
-from typing import Any, NamedTuple
+from collections.abc import Container, Mapping
+from typing import Any
+
+import numpy as np
 
 from vdoor.errors import VdoorError
 from vdoor.export.geojson import collection_text, feature
-from vdoor.export.geometry import Point, refuse_not_finite
-from vdoor.export.routes import Doorway, doorways
+from vdoor.export.geometry import Point, refuse_not_finite, to_mm
+from vdoor.grid import Annotations
+from vdoor.navigate.roadmap import Edge, Node, Roadmap, roadmap_of
 from vdoor.topology import TopologicalMap
 
 FRAME = "map"
+ROBOT_RADIUS_M = 0.22
+"""The radius of the robot in Nav2's own parameters."""
+FULL_SPEED = 100.0
 
 
-class Node(NamedTuple):
-    """A node of the route graph."""
+def to_nav2_route(
+    topology: TopologicalMap,
+    annotations: Annotations | None = None,
+    *,
+    radius_m: float = ROBOT_RADIUS_M,
+    speed_percent: Mapping[int, float] | None = None,
+    door_service: str = "",
+    open_rooms: Container[int] = (),
+) -> str:
+    """GeoJSON for the route server; virtual walls and no-go areas of the map's file are kept clear of.
 
-    id: int
-    place_m: Point
-    about: dict[str, Any]
+    A room's node has the room's id. Nodes of doors and all others follow, then edges, so that ids are unique. The
+    metadata of a node says its `class`, and its `room` or `door`; that of an edge says its room, its clearance, and its
+    class, for the server's SemanticScorer: `room`, `door` or, where a robot of that radius does not fit, `narrow`.
+    `speed_percent` limits the speed in some rooms, for AdjustSpeedLimit. At each door TriggerEvent calls the service
+    `door_service`, in which `{door}` stands for the door's id; no service is called if it is empty. Only `open_rooms`
+    have edges, if some are named.
 
-
-def to_nav2_route(topology: TopologicalMap) -> str:
-    """GeoJSON for the route server: nodes for rooms, doors and bends, edges through free space in both directions.
-
-    A room's node has the room's id; doors follow in their order, then bends, then edges, so that ids are unique. The
-    server treats an edge as the straight line between its nodes, whatever geometry the file gives, so the route from a
-    door to the middle of a room is a chain of edges over waypoints. The cost of an edge is its length in metres, as in
-    the server's default scorer; other scorers may change it or close the edge.
-
-    Raises `VdoorError` for a map without doors: the server refuses a graph without edges.
+    Raises `VdoorError` for a door whose rooms do not touch, and if there is no edge, since the server refuses that.
     """
     refuse_not_finite(topology)
-    ways = doorways(topology)
-    if not ways:
-        raise VdoorError("route graph: wanted at least one door, found none")
-    rooms = {
-        room.id: Node(
-            room.id, room.centre_m, {"kind": "room", "room": room.id, "name": room.name, "area_m2": room.area_m2}
-        )
-        for room in topology.rooms
-    }
-    number = itertools.count(max(rooms) + 1)
-    doors = {way.door.id: Node(next(number), way.middle_m, _about(way)) for way in ways}
-    waypoints: list[Node] = []
-    lines: list[tuple[Node, Node, dict[str, Any]]] = []
-    for way in ways:
-        for side in way.sides:
-            about = {"door": way.door.id, "room": side.room}
-            bends = [Node(next(number), place_m, {"kind": "waypoint"} | about) for place_m in side.points_m[1:-1]]
-            for one, other in pairwise((doors[way.door.id], *bends, rooms[side.room])):
-                lines += [(one, other, about), (other, one, about)]
-            waypoints += bends
-    points = [_point(node) for node in (*rooms.values(), *doors.values(), *waypoints)]
-    edges = [_line(next(number), start, end, {"kind": "way"} | about) for start, end, about in lines]
-    return collection_text("vdoor_route", [*points, *edges])
+    graph = roadmap_of(topology, annotations, clearance_m=radius_m)
+    if open_rooms:
+        graph.edges = [edge for edge in graph.edges if edge.room in open_rooms]
+    if not graph.edges:
+        raise VdoorError(f"route graph: wanted two places for a robot of radius {radius_m:g} m, found one")
+    ids = _ids(topology, graph)
+    places = [to_mm(place) for place in topology.frame.world_from_cell(np.array([node.place for node in graph.nodes]))]
+    points = [
+        feature("Point", place, {"id": number, "frame": FRAME, "metadata": _about_node(topology, node)})
+        for number, place, node in zip(ids, places, graph.nodes, strict=True)
+    ]
+    number = itertools.count(max(ids) + 1)
+    lines = []
+    for edge in graph.edges:
+        about = _about_edge(graph, edge, radius_m)
+        if speed_percent:  # everywhere: the DistanceScorer divides by it, and takes 1 where there is none
+            about["speed_limit"] = float(speed_percent.get(edge.room, FULL_SPEED))
+        for one, other in (edge.ends, edge.ends[::-1]):
+            opened = _opened(graph.nodes[other], door_service)
+            ends = {"id": next(number), "startid": ids[one], "endid": ids[other]}
+            lines.append(_line(places[one], places[other], {**ends, "metadata": about} | opened))
+    return collection_text("vdoor_route", [*points, *lines])
 
 
-def _about(way: Doorway) -> dict[str, Any]:
-    door = way.door
-    return {"kind": "door", "door": door.id, "rooms": door.rooms, "width_m": door.width_m, "door_kind": door.kind}
+def _ids(topology: TopologicalMap, graph: Roadmap) -> list[int]:
+    """The id of each node: a room's own, and for all others the numbers after the largest of these."""
+    rooms = topology.room_ids
+    return [*rooms, *itertools.islice(itertools.count(rooms[-1] + 1), len(graph.nodes) - len(rooms))]
 
 
-def _point(node: Node) -> dict[str, Any]:
-    return feature("Point", node.place_m, {"id": node.id, "frame": FRAME, "metadata": node.about})
+def _about_node(topology: TopologicalMap, node: Node) -> dict[str, Any]:
+    if node.door:
+        door = topology.door(node.door)
+        about = {"rooms": door.rooms, "width_m": door.width_m, "kind": door.kind, "main": node.main}
+        return {"class": "door", "door": door.id} | about
+    if not node.main:
+        return {"class": "place", "room": node.room}
+    row = topology.room_row(node.room)
+    name = topology.name[row] if topology.name else ""
+    return {"class": "room", "room": node.room, "name": name, "area_m2": float(topology.area_m2[row])}
 
 
-def _line(number: int, start: Node, end: Node, about: dict[str, Any]) -> dict[str, Any]:
-    cost_m = math.dist(start.place_m, end.place_m)
-    ends = {"id": number, "startid": start.id, "endid": end.id}
-    return feature("LineString", (start.place_m, end.place_m), {**ends, "cost": cost_m, "metadata": about})
+def _about_edge(graph: Roadmap, edge: Edge, radius_m: float) -> dict[str, Any]:
+    at_door = any(graph.nodes[end].door for end in edge.ends)
+    kind = "narrow" if edge.clearance_m < radius_m else "door" if at_door else "room"
+    return {"class": kind, "room": edge.room, "clearance_m": edge.clearance_m}
+
+
+def _opened(end: Node, service: str) -> dict[str, Any]:
+    """The operation that asks for a door to be opened as the robot sets out for it."""
+    if not (service and end.door):
+        return {}
+    metadata = {"service_name": service.replace("{door}", str(end.door)), "door": end.door}
+    return {"operations": [{"type": "TriggerEvent", "trigger": "ON_ENTER", "metadata": metadata}]}
+
+
+def _line(start: Point, end: Point, properties: dict[str, Any]) -> dict[str, Any]:
+    return feature("LineString", (start, end), {**properties, "cost": math.dist(start, end)})

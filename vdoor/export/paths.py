@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from vdoor.errors import SettingError
 from vdoor.export.geojson import collection_text, feature
-from vdoor.files import write_whole
+from vdoor.partial import write_whole
 
 Floats = NDArray[np.float64]
 

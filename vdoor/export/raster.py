@@ -13,7 +13,8 @@ from PIL import Image
 
 from vdoor.errors import SettingError, VdoorError
 from vdoor.export.geometry import check_rooms
-from vdoor.grid import FREE, OCCUPIED, OccupancyGrid
+from vdoor.grid import FREE, OCCUPIED, Annotations, OccupancyGrid
+from vdoor.navigate.blocked import ruled_out
 from vdoor.results.writing import MOST_ROOMS, greys, map_server_yaml, png
 from vdoor.topology import TopologicalMap
 
@@ -58,14 +59,18 @@ def to_labels(topology: TopologicalMap) -> Raster:
     return Raster(topology.labels.astype(np.uint16), grid, "raw")
 
 
-def to_keepout(topology: TopologicalMap, rooms: Sequence[int]) -> Raster:
+def to_keepout(topology: TopologicalMap, rooms: Sequence[int], annotations: Annotations | None = None) -> Raster:
     """White (h, w) in the chosen rooms, black everywhere else, walls included; for Nav2's KeepoutFilter.
 
-    Doors between chosen rooms are open. Raises `SettingError` for no rooms or an unknown room.
+    Doors between chosen rooms are open; virtual walls and no-go areas of the map's file are black. Raises
+    `SettingError` for no rooms or an unknown room.
     """
     if not rooms:
         raise SettingError("keepout: wanted the rooms to keep open, found none")
     check_rooms(topology, rooms)
-    cells = np.where(np.isin(topology.labels, list(rooms)), FREE, OCCUPIED).astype(np.int8)
+    open_ = np.isin(topology.labels, list(rooms))
+    if annotations is not None:
+        open_ &= ~ruled_out(topology.frame, annotations, mops=False)
+    cells = np.where(open_, FREE, OCCUPIED).astype(np.int8)
     mask = OccupancyGrid(cells=cells, frame=topology.frame)
     return Raster(greys(mask), mask, "trinary")

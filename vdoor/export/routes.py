@@ -10,9 +10,8 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy import ndimage, sparse
-from scipy.sparse.csgraph import dijkstra
 
 from vdoor.errors import VdoorError
 from vdoor.export.geometry import Point, line_m
@@ -68,7 +67,7 @@ def doorways(topology: TopologicalMap, *, before_m: float = 0.0) -> list[Doorway
     """
     doors, rooms = topology.doors, {room.id: room for room in topology.rooms}
     places = _crossings(topology, doors)
-    boxes = ndimage.find_objects(topology.labels)
+    boxes = scipy.ndimage.find_objects(topology.labels)
     doors_of: dict[int, list[int]] = defaultdict(list)
     for row, door in enumerate(doors):
         for number in door.rooms:
@@ -119,7 +118,7 @@ class _Ways:
         self._number[own] = np.arange(len(self._place))
         middle = topology.frame.cell_from_world(np.array([room.centre_m]))[0] - self._corner
         steps = links(self._number, self._weight)
-        self._spent, self._next = dijkstra(
+        self._spent, self._next = scipy.sparse.csgraph.dijkstra(
             steps, directed=False, indices=self._number[_cell(middle)], return_predecessors=True
         )
 
@@ -170,12 +169,12 @@ def weights(topology: TopologicalMap, room: int, box: tuple[slice, ...]) -> tupl
     margin = math.ceil(CLEAR_M / cell_m)
     part = tuple(slice(max(side.start - margin, 0), side.stop + margin) for side in box)
     labels = np.pad(topology.labels[part], 1)
-    clear_m = (ndimage.distance_transform_edt(labels > 0) - 0.5) * cell_m
+    clear_m = (scipy.ndimage.distance_transform_edt(labels > 0) - 0.5) * cell_m
     weight = np.maximum(CLEAR_M / np.maximum(clear_m, cell_m / 2), 1) ** STEEP
     return np.where(labels == room, weight, np.inf), np.array([side.start - 1 for side in part])
 
 
-def links(number: NDArray[np.int32], weight: Floats) -> sparse.csr_array[Any]:
+def links(number: NDArray[np.int32], weight: Floats) -> scipy.sparse.csr_array[Any]:
     """Costs of steps between neighbouring cells as a sparse matrix (cells, cells), each pair once.
 
     `number` (h, w) numbers the cells and is -1 elsewhere, `weight` (h, w) is the cost per cell length. Half of a step
@@ -193,7 +192,7 @@ def links(number: NDArray[np.int32], weight: Floats) -> sparse.csr_array[Any]:
     other = np.concatenate([number[b][both] for _, b, both, _ in pairs])
     costs = [step / 2 * (weight[a][both] + weight[b][both]) for a, b, both, step in pairs]
     count = int(number.max(initial=-1)) + 1
-    return sparse.csr_array((np.concatenate(costs), (one, other)), shape=(count, count))
+    return scipy.sparse.csr_array((np.concatenate(costs), (one, other)), shape=(count, count))
 
 
 def _cell(place: Floats) -> Cell:

@@ -24,12 +24,14 @@ class Provenance:
     files: tuple[tuple[str, str], ...] = ()
     """Name and SHA-256 of each file of the map."""
     run: RunRecords = field(default_factory=RunRecords)
+    info: RunInfo | None = None
+    """The run as a recording knows it; None for a result folder."""
 
     @classmethod
     def of(cls, info: RunInfo) -> Provenance:
         """Provenance of a run, without records yet."""
         files = tuple((name, hashlib.sha256(data).hexdigest()) for name, data in info.source.files)
-        return cls(facts_of(info.version, info.preset, info.seed), info.settings, files)
+        return cls(facts_of(info.version, info.preset, info.seed), info.settings, files, info=info)
 
     @property
     def name(self) -> str:

@@ -5,9 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy import ndimage
-from scipy.signal import fftconvolve
 
 from vdoor.editing.places import Point
 from vdoor.topology import TopologicalMap
@@ -98,8 +97,8 @@ def _candidates(old: TopologicalMap, new: TopologicalMap) -> list[Floats]:
     widest_m = max(float(np.ptp(points_m, axis=0).max()) for points_m in borders_m)
     cell_m = max(old.frame.resolution_m, new.frame.resolution_m, widest_m / MOST_SIDE)
     one, other = (_raster(points_m, cell_m) for points_m in borders_m)
-    votes = fftconvolve(other[0], one[0][::-1, ::-1])
-    votes = np.where(ndimage.maximum_filter(votes, 5) == votes, votes, 0.0)
+    votes = scipy.signal.fftconvolve(other[0], one[0][::-1, ::-1])
+    votes = np.where(scipy.ndimage.maximum_filter(votes, 5) == votes, votes, 0.0)
     places = np.argsort(-votes.round(6), axis=None, kind="stable")[:PEAKS]
     steps = np.stack(np.unravel_index(places, votes.shape), axis=1) - (np.array(one[0].shape) - 1)
     return list(other[1] - one[1] + steps * cell_m)
@@ -118,7 +117,7 @@ def _raster(points_m: Floats, cell_m: float) -> tuple[Floats, Floats]:
     cells = np.rint((points_m - low) / cell_m).astype(int)
     drawn = np.zeros(cells.max(axis=0) + 1)
     drawn[tuple(cells.T)] = 1.0
-    return ndimage.gaussian_filter(drawn, 0.7, mode="constant"), low
+    return scipy.ndimage.gaussian_filter(drawn, 0.7, mode="constant"), low
 
 
 def _refined(overlap: _Overlap, shift_m: Floats, most: float, step_m: float) -> tuple[Floats, float]:

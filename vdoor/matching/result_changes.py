@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import math
 
-import networkx as nx
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy import ndimage
-from scipy.optimize import linear_sum_assignment
 
 from vdoor.matching.align import labels_under
 from vdoor.topology import Door, TopologicalMap
@@ -33,6 +31,8 @@ def _room_changes(old: TopologicalMap, new: TopologicalMap, within_m: float) -> 
     under = np.zeros(new.labels.shape, np.int32)
     points_m = new.frame.world_from_cell(np.argwhere(np.ones(under.shape, np.bool_)))
     under[:] = labels_under(old, points_m, np.zeros(2)).reshape(under.shape)
+    import networkx as nx  # noqa: PLC0415  # a seventh of a second
+
     links: nx.Graph[tuple[str, int]] = nx.Graph()
     links.add_nodes_from([("old", room) for room in old.room_ids] + [("new", room) for room in new.room_ids])
     pairs, shared = np.unique(
@@ -76,17 +76,17 @@ def _room_line(
 
 def _apart_m(one: NDArray[np.bool_], other: NDArray[np.bool_]) -> float:
     """Largest distance, in cells, from a cell of either mask to the other mask; 0 for equal ones."""
-    (box,) = ndimage.find_objects((one | other).astype(np.int32))
+    (box,) = scipy.ndimage.find_objects((one | other).astype(np.int32))
     one, other = one[box], other[box]
     if not (one.any() and other.any()):
         return math.inf
-    ways = (ndimage.distance_transform_edt(~mask)[beside].max() for mask, beside in ((one, other), (other, one)))
+    ways = (scipy.ndimage.distance_transform_edt(~mask)[beside].max() for mask, beside in ((one, other), (other, one)))
     return float(max(ways))
 
 
 def _door_changes(old: list[Door], new: list[Door], within_m: float) -> list[str]:
     apart_m = np.array([[_doors_apart_m(one, other) for other in new] for one in old]).reshape(len(old), len(new))
-    rows, cols = linear_sum_assignment(np.minimum(apart_m, 2 * SAME_DOOR_M))
+    rows, cols = scipy.optimize.linear_sum_assignment(np.minimum(apart_m, 2 * SAME_DOOR_M))
     same = [(row, col) for row, col in zip(rows, cols, strict=True) if apart_m[row, col] <= SAME_DOOR_M]
     went = set(range(len(old))) - {row for row, _ in same}
     came = set(range(len(new))) - {col for _, col in same}

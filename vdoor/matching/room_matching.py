@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.optimize import linear_sum_assignment
 
 from vdoor.editing.edits import Edit
 from vdoor.matching.align import Alignment, aligned, labels_under
@@ -148,7 +148,7 @@ def _pairs(old: TopologicalMap, new: TopologicalMap, common_m2: Areas) -> dict[i
     """New room -> old room, one to one, with the largest sum of intersections over union."""
     smaller_m2 = np.minimum(old.area_m2[:, None], new.area_m2)
     share = np.where(common_m2 >= HALF * smaller_m2, _same(old, new, common_m2), 0.0)
-    rows, columns = linear_sum_assignment(share, maximize=True)
+    rows, columns = scipy.optimize.linear_sum_assignment(share, maximize=True)
     good = share[rows, columns] > 0
     return {new.room_ids[now]: old.room_ids[before] for before, now in zip(rows[good], columns[good], strict=True)}
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from skimage.measure import label as label_cells
 
 from vdoor.method.doors import VirtualDoors
 from vdoor.raster.components import components
+from vdoor.raster.morphology import labelled
 from vdoor.raster.runs import runs_of
 
 Ints = NDArray[np.int32]
@@ -49,7 +49,8 @@ def cut(free: Mask, doors: VirtualDoors, chosen: Ints) -> Pieces:
 
     region_space = free.copy()
     region_space.reshape(-1)[cell] = False
-    label, regions = label_cells(region_space, connectivity=1, return_num=True)
+    label = labelled(region_space)
+    regions = int(label.max(initial=0))
     label.reshape(-1)[cell] = regions + 1 + atom_of_cell
     # Only door cells need checking for adjacency: regions never touch each other.
     padded = np.pad(label, 1)
@@ -60,9 +61,8 @@ def cut(free: Mask, doors: VirtualDoors, chosen: Ints) -> Pieces:
     ]
     touch = np.sort(np.concatenate(pairs), axis=1)
     touch = np.unique(touch[(touch[:, 0] > 0) & (touch[:, 0] != touch[:, 1])], axis=0) - 1
-    piece: Ints = label.astype(np.int32, copy=False)
-    cells = runs_of(piece).cells(regions + int(atom_of_cell.max(initial=-1)) + 1)
-    return Pieces(piece, regions, cells, cover, touch.astype(np.int32))
+    cells = runs_of(label).cells(regions + int(atom_of_cell.max(initial=-1)) + 1)
+    return Pieces(label, regions, cells, cover, touch.astype(np.int32))
 
 
 def atoms(flat: NDArray[np.int64], door: Ints, width: int) -> tuple[NDArray[np.int64], NDArray[np.intp], Ints]:
@@ -123,7 +123,7 @@ def _join(key_left: NDArray[np.integer], key_right: NDArray[np.integer]) -> Ints
     """The join of the relations (key, left) and (key, right): unique sorted rows (left, right), by a matrix product."""
     keys = int(max(key_left[:, 0].max(initial=-1), key_right[:, 0].max(initial=-1))) + 1
     left, right = (
-        coo_array(
+        scipy.sparse.coo_array(
             (np.ones(len(rows), np.int32), (rows[:, 0], rows[:, 1])), shape=(keys, int(rows[:, 1].max(initial=-1)) + 1)
         )
         for rows in (key_left, key_right)

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar, NamedTuple
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from vdoor.config import Within
 from vdoor.frame import Frame
@@ -113,7 +113,7 @@ class ProposeDoors:
         One sample per cell, sorted by corner and cell. A cell is left out if any of its samples is on the corner's own
         wall.
         """
-        tree, boundary = cKDTree(corners.cell[alone]), cKDTree(path.cell)
+        tree, boundary = scipy.spatial.cKDTree(corners.cell[alone]), scipy.spatial.cKDTree(path.cell)
         if not len(alone):
             return alone, alone, alone.astype(np.int64)
         near = tree.sparse_distance_matrix(boundary, self._reach(path), output_type="ndarray")
@@ -182,7 +182,7 @@ def measured(free: Mask, found: DoorCandidates, frame: Frame) -> VirtualDoors:
 def pairs_within(corners: Corners, among: Ints, reach: float) -> Ints:
     """Pairs (k, 2) of the corners `among` at most `reach` cells apart, the lower first, sorted."""
     place = corners.cell[among]
-    near = cKDTree(place).query_pairs(reach, output_type="ndarray") if len(place) else np.zeros((0, 2))
+    near = scipy.spatial.cKDTree(place).query_pairs(reach, output_type="ndarray") if len(place) else np.zeros((0, 2))
     both = among[np.sort(near, axis=1).astype(np.intp)].reshape(-1, 2)
     return np.asarray(both[np.lexsort((both[:, 1], both[:, 0]))])
 

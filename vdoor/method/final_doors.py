@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from vdoor.frame import Frame
 from vdoor.grid import FREE
@@ -84,7 +84,7 @@ def matched_to_contacts(labels: Ints, doors: Doors, simplified: SimplifiedGrid, 
     place_m = frame.world_from_cell(place)
     explained = np.zeros(len(place), np.bool_)
     touched = np.zeros(len(doors.edge), np.bool_)
-    tree = cKDTree(place_m)
+    tree = scipy.spatial.cKDTree(place_m)
     for row in range(len(doors.edge)):
         middle_m = (doors.start_m[row] + doors.end_m[row]) / 2
         near = np.array(tree.query_ball_point(middle_m, doors.length_m[row] / 2 + 2 * cell_m), np.intp)

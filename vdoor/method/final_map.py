@@ -15,8 +15,10 @@ from vdoor.frame import Frame
 from vdoor.grid import FREE, OccupancyGrid
 from vdoor.method.final_doors import SILL, Doors, door_rows, matched_to_contacts, on_sill
 from vdoor.method.initial_map import InitialMap
+from vdoor.method.search.books import CLOSED
 from vdoor.method.search.generation import Generation
 from vdoor.method.search.incremental import FlipState
+from vdoor.method.search.order import RoomOrder
 from vdoor.method.search.problem import Bits, MergeProblem
 from vdoor.method.simplify import SimplifiedGrid
 from vdoor.raster.labels import at_input, flooded, half_seen, handed_on, numbered, whole
@@ -80,6 +82,7 @@ def merged(problem: MergeProblem, removed: Bits) -> tuple[Ints, list[tuple[int, 
     them, the less likely one is dropped if doors have scores, otherwise the more tilted, then the longer one.
     """
     state = FlipState(problem, np.flatnonzero(removed).tolist())
+    state.order = RoomOrder(state.books, removed)
     state.open_idle()
     # Checked again, since dropping a door may have given another one a third room to join.
     pairs = [
@@ -90,11 +93,10 @@ def merged(problem: MergeProblem, removed: Bits) -> tuple[Ints, list[tuple[int, 
         for one, other in itertools.combinations(joined, 2)
     ]
     node = np.append(np.arange(problem.regions), problem.node_of_atom)
-    room = np.array(state.room_of)
-    _, number = np.unique(room[: problem.regions], return_inverse=True)
-    of_room = np.zeros(room.max() + 1, np.int32)
-    of_room[room[: problem.regions]] = number + 1
-    room = np.where(room >= 0, of_room[room], 0).astype(np.int32)
+    changed = np.array([state.order.last.get(room, CLOSED) for room in state.room_of])
+    real = np.unique(changed[: problem.regions])  # open atoms without a region are no room
+    room = np.searchsorted(real, changed).astype(np.int32) + 1
+    room[~np.isin(changed, real)] = 0
     rows = [(edge, int(min(room[a], room[b])), int(max(room[a], room[b]))) for edge, a, b in pairs]
     return room[node], sorted(rows)
 

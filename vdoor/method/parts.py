@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import ndimage
-from skimage.measure import label as label_cells
 
 from vdoor.grid import UNKNOWN
 from vdoor.method.spaces import grown
+from vdoor.raster.morphology import components_of, dilated, distances, eroded, exact, labelled, room_for, square
 from vdoor.raster.runs import runs_of
 
 Mask = NDArray[np.bool_]
@@ -31,17 +30,16 @@ def large_parts(free: Mask, wall: Mask, least: float, cell_m: float) -> Ints:
     furniture, that is, does not stand in a single other part; and it is not ground outside that was seen through a
     window, that is, has `wall` cells beside much of its boundary.
     """
-    labels, count = label_cells(free, connectivity=1, return_num=True)
-    kept = np.zeros(count + 1, np.bool_)
-    kept[1:] = runs_of(labels).cells(count) >= least
+    parts = components_of(free)
+    labels, kept = parts.label, parts.cells >= least
+    kept[0] = False
     kept &= wide_enough(labels, kept, NARROW_M / cell_m)
     unsure = kept & ~wide_enough(labels, kept, WIDE_M / cell_m)
-    boxes = ndimage.find_objects(labels) if unsure.any() else []
     for number in np.flatnonzero(unsure).tolist():
-        near = grown(boxes[number - 1], int(WALL_M / cell_m) + 2, free.shape)
+        near = grown(parts.box(number), int(WALL_M / cell_m) + 2, free.shape)
         hollow = shared_side(labels[near], number, WALL_M / cell_m) >= HOLLOW_SHARE
         kept[number] = not hollow and walled((labels[near] == number).astype(np.int32), 1, wall[near])[1]
-    return np.where(kept[labels], labels, 0).astype(np.int32)
+    return labels * kept[labels]
 
 
 def wide_parts(labels: Ints, least: float, cell_m: float) -> Mask:
@@ -53,11 +51,11 @@ def wide_parts(labels: Ints, least: float, cell_m: float) -> Mask:
 
 def remaining(labels: Ints, before: Mask) -> Mask:
     """Which labels (count + 1,) are the largest piece that is left of a 4-connected part of `before` (h, w)."""
-    part = label_cells(before, connectivity=1)
+    part = labelled(before)
     cells = np.bincount(labels.ravel(), minlength=int(labels.max(initial=0)) + 1)
-    first = np.unique(labels, return_index=True)
+    runs = runs_of(labels)
     part_of = np.zeros(len(cells), np.int64)
-    part_of[first[0]] = part.reshape(-1)[first[1]]
+    part_of[runs.label] = part[runs.row, runs.begin]  # any cell will do: a piece lies in one part
     order = np.lexsort((np.arange(len(cells)), -cells, part_of))
     leads = np.append(True, part_of[order][1:] != part_of[order][:-1])
     chosen = np.zeros(len(cells), np.bool_)
@@ -68,18 +66,18 @@ def remaining(labels: Ints, before: Mask) -> Mask:
 def shared_side(labels: Ints, number: int, thick: float) -> float:
     """The share of a part's boundary behind which the same other part lies, through at most `thick` cells of wall."""
     part = labels == number
-    edge = part & ~ndimage.binary_erosion(part)
+    edge = part & ~eroded(part)
     others, cells = np.unique(labels[(labels > 0) & ~part], return_counts=True)
     if not len(others):
         return 0.0
-    away = ndimage.distance_transform_edt(labels != others[cells.argmax()])
-    return float((away[edge] <= thick + 1).mean())
+    away = distances(labels != others[cells.argmax()])
+    return float((exact(away[edge]) <= thick + 1).mean())
 
 
 def walled(labels: NDArray[np.integer], count: int, wall: Mask) -> Mask:
     """Which of the 4-connected parts (count + 1,) have walls along enough of their boundary to be indoors."""
-    edge = (labels > 0) & ~ndimage.binary_erosion(labels > 0)
-    beside = edge & ndimage.binary_dilation(wall)
+    edge = (labels > 0) & ~eroded(labels > 0)
+    beside = edge & dilated(wall)
     cells, walls = (np.bincount(labels[where], minlength=count + 1) for where in (edge, beside))
     found = walls >= WALLED_SHARE * cells
     found[0] = False
@@ -89,10 +87,9 @@ def walled(labels: NDArray[np.integer], count: int, wall: Mask) -> Mask:
 def wide_enough(labels: NDArray[np.int32], chosen: Mask, width: float) -> Mask:
     """Which of the labels `chosen` (count + 1,) fit a square of `width` cells."""
     side = max(1, round(width))
-    padded = np.pad(chosen[labels], 1).view(np.uint8)
-    inner = ndimage.minimum_filter(padded, side, mode="constant", cval=0)[1:-1, 1:-1] > 0
+    inner = room_for(chosen[labels], square(side))
     found = np.zeros(len(chosen), np.bool_)
-    found[np.unique(labels[inner])] = True
+    found[labels[inner]] = True
     return found
 
 
@@ -115,8 +112,7 @@ def sills(cells: NDArray[np.int8], part: Ints, thick: int, least: float) -> Mask
 
 def long_pieces(mask: Mask, least: float, connectivity: int = 1) -> Mask:
     """The pieces of `mask`, 4-connected (1) or 8-connected (2), whose bounding boxes are longer than `least` cells."""
-    labels = label_cells(mask, connectivity=connectivity)
-    long = np.zeros(labels.max() + 1, np.bool_)
-    for label, place in enumerate(ndimage.find_objects(labels), start=1):
-        long[label] = max(side.stop - side.start for side in place) > least
-    return np.asarray(long[labels])
+    pieces = components_of(mask, connectivity)
+    found = np.zeros_like(mask)
+    found[mask] = (pieces.sides > least)[pieces.label[mask]]
+    return found

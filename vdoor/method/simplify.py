@@ -8,16 +8,14 @@ from typing import Annotated, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import ndimage
-from skimage.measure import block_reduce
-from skimage.measure import label as label_cells
 
 from vdoor.config import Within
 from vdoor.errors import MapError, SettingError
 from vdoor.frame import Frame
 from vdoor.grid import FREE, OCCUPIED, UNKNOWN, OccupancyGrid
 from vdoor.method.parts import large_parts, long_pieces, remaining, sills, wide_parts
-from vdoor.method.spaces import SHORTEST_DASH, Spaces, furniture, in_line, opened, square, with_neighbours
+from vdoor.method.spaces import SHORTEST_DASH, Spaces, furniture, in_line, with_neighbours
+from vdoor.raster.morphology import components_of, labelled, opened, square
 from vdoor.raster.runs import runs_of
 from vdoor.record import Record, Spec
 
@@ -93,9 +91,13 @@ class SimplifyGrid:
         if len(self.robot_m) not in (0, 2):
             raise SettingError(f"simplify.robot_m: wanted x and y, or none, found {list(self.robot_m)}")
 
+    def factor(self, frame: Frame) -> int:
+        """The number of input cells along one side of a working cell."""
+        return max(1, round(self.cell_m / frame.resolution_m))
+
     def __call__(self, grid: OccupancyGrid) -> SimplifiedGrid:
         """The simplified grid; raises MapError if no cell is free, or none is near the robot's position."""
-        factor = max(1, round(self.cell_m / grid.frame.resolution_m))
+        factor = self.factor(grid.frame)
         frame = working_frame(grid.frame, factor)
         before = resampled(grid, factor)
         reason = np.zeros(before.shape, np.uint8)
@@ -109,22 +111,22 @@ class SimplifyGrid:
         sill = self._sills(before, known_free, frame)
         thin &= ~sill
         free = self._reachable(known_free | thin | sill, frame, wall=before == OCCUPIED)
-        reason[(known_free | thin) & ~free] = REASONS.index("unreachable")
-        reason[sill & free] = REASONS.index("sill")
+        mark(reason, (known_free | thin) & ~free, "unreachable")
+        mark(reason, sill & free, "sill")
         free = self._without_furniture(free, thin & free, reason, frame)
         if gap := cells_in(self.gap_m, frame):
             free = self._closed(free, Spaces.of(free, gap).gap, reason, frame)
         free = self._without_slits(free, reason, frame)
         run = max(1, round(self.jut_m / frame.resolution_m))
         for name, changed in zip(("jut", "notch"), flatten(free, run, self.passes), strict=True):
-            reason[changed] = REASONS.index(name)
+            mark(reason, changed, name)
 
         wall = touches(free) & ((before == OCCUPIED) | (reason == REASONS.index("notch")))
-        reason[(before == OCCUPIED) & ~free & ~wall] = REASONS.index("unreachable")
+        mark(reason, (before == OCCUPIED) & ~free & ~wall, "unreachable")
         cells = np.full(before.shape, UNKNOWN, np.int8)
-        cells[free] = FREE
-        cells[wall] = OCCUPIED
-        reason[cells == before] = 0
+        np.putmask(cells, free, FREE)
+        np.putmask(cells, wall, OCCUPIED)
+        mark(reason, cells == before, "as it was")
         return SimplifiedGrid(cells=cells, reason=reason, factor=factor, frame=frame)
 
     def _without_furniture(self, free: Mask, thin: Mask, reason: NDArray[np.uint8], frame: Frame) -> Mask:
@@ -148,10 +150,10 @@ class SimplifyGrid:
             )
             # Space behind a thin line that is kept is no longer reachable.
             free = self._reachable(known | goes, frame, before=free)
-            reason[known & ~free] = REASONS.index("unreachable")
+            mark(reason, known & ~free, "unreachable")
             islands, thin = islands & free, thin & free
-        reason[thin] = REASONS.index("thin unknown")
-        reason[islands] = REASONS.index("island")
+        mark(reason, thin, "thin unknown")
+        mark(reason, islands, "island")
         return free | islands
 
     def _without_slits(self, free: Mask, reason: NDArray[np.uint8], frame: Frame) -> Mask:
@@ -166,8 +168,8 @@ class SimplifyGrid:
         if not (narrow.any() and wide.any()):
             return free
         kept = self._reachable(wide, frame, before=free)
-        reason[narrow] = REASONS.index("slit")
-        reason[wide & ~kept] = REASONS.index("unreachable")
+        mark(reason, narrow, "slit")
+        mark(reason, wide & ~kept, "unreachable")
         return kept
 
     def _reachable(self, free: Mask, frame: Frame, *, wall: Mask | None = None, before: Mask | None = None) -> Mask:
@@ -176,7 +178,8 @@ class SimplifyGrid:
         Rooms are found with the cells of walls. Of what was kept `before`, no part goes as a whole, and what is cut off
         from it must be wide to be a room.
         """
-        labels, count = label_cells(free, connectivity=1, return_num=True)
+        labels = labelled(free)
+        count = int(labels.max(initial=0))
         if count == 0:
             raise MapError(
                 f"the map has no free cell at {frame.resolution_m:g} m per cell, so there is nothing to divide"
@@ -211,12 +214,20 @@ class SimplifyGrid:
         if not self.robot_m:
             return int(1 + np.argmax(runs_of(labels).cells(count)))
         place = frame.cell_from_world(np.array([self.robot_m]))[0]
-        cells = np.argwhere(labels)
-        nearest = cells[np.argmin(((cells - place) ** 2).sum(axis=1))]
-        if math.dist(nearest, place) * frame.resolution_m > ROBOT_REACH_M:
+        reach = ROBOT_REACH_M / frame.resolution_m
+        first = np.clip(np.floor(place - reach), 0, labels.shape).astype(np.intp)
+        after = np.clip(np.ceil(place + reach) + 1, 0, labels.shape).astype(np.intp)
+        cells = first + np.argwhere(labels[first[0] : after[0], first[1] : after[1]])
+        nearest = min(cells.tolist(), key=lambda cell: math.dist(cell, place), default=None)
+        if nearest is None or math.dist(nearest, place) * frame.resolution_m > ROBOT_REACH_M:
             x_m, y_m = self.robot_m
             raise MapError(f"robot at {x_m:g},{y_m:g}: wanted a free cell within {ROBOT_REACH_M} m, found none")
         return int(labels[tuple(nearest)])
+
+
+def mark(reason: NDArray[np.uint8], where: Mask, why: str) -> None:
+    """Set the reason of some cells."""
+    np.putmask(reason, where, REASONS.index(why))
 
 
 def cells_in(length_m: float, frame: Frame) -> int:
@@ -238,11 +249,21 @@ def resampled(grid: OccupancyGrid, factor: int) -> NDArray[np.int8]:
     """
     occupied, free = grid.occupied, grid.free
     if factor > 1:
-        occupied, free = (block_reduce(mask, factor, np.any) for mask in (occupied, free))
+        occupied, free = (any_of_block(mask, factor) for mask in (occupied, free))
     cells = np.full(occupied.shape, UNKNOWN, np.int8)
-    cells[free] = FREE
-    cells[occupied] = OCCUPIED
+    np.putmask(cells, free, FREE)
+    np.putmask(cells, occupied, OCCUPIED)
     return cells
+
+
+def any_of_block(mask: Mask, side: int) -> Mask:
+    """Whether any cell is set in each block of `side` x `side` cells, those at the lower and right edges cut off."""
+    height, width = (-(-length // side) for length in mask.shape)
+    found = np.zeros((height, width), np.bool_)
+    for down, right in np.ndindex(side, side):
+        part = mask[down::side, right::side]
+        found[: part.shape[0], : part.shape[1]] |= part
+    return found
 
 
 def thin_unknown(cells: NDArray[np.int8], thick: int, longest: int) -> Mask:
@@ -251,8 +272,7 @@ def thin_unknown(cells: NDArray[np.int8], thick: int, longest: int) -> Mask:
     Longer lines are walls that were drawn or seen in part.
     """
     unknown = cells == UNKNOWN
-    box = np.ones((thick + 1, thick + 1), np.bool_)
-    thin = unknown & ~ndimage.binary_dilation(ndimage.binary_erosion(unknown, box, border_value=1), box)
+    thin = unknown & ~opened(unknown, square(thick + 1), outside=True)
     row, col = np.nonzero(thin)
     around = np.pad(cells, 1, constant_values=UNKNOWN)
     near = np.stack([around[row + down, col + right] for down, right in AROUND])
@@ -265,12 +285,10 @@ def thin_unknown(cells: NDArray[np.int8], thick: int, longest: int) -> Mask:
 
 def small_islands(free: Mask, size: int) -> Mask:
     """The cells of 8-connected obstacles that are surrounded by free space and fit into a box of `size` cells."""
-    labels = label_cells(np.pad(~free, 1, constant_values=True), connectivity=2)
-    outer = labels[0, 0]
-    small = np.zeros(labels.max() + 1, np.bool_)
-    for label, box in enumerate(ndimage.find_objects(labels), start=1):
-        small[label] = label != outer and max(side.stop - side.start for side in box) <= size
-    return np.asarray(small[labels][1:-1, 1:-1])
+    obstacles = components_of(np.pad(~free, 1, constant_values=True), 2)
+    small = obstacles.sides <= size
+    small[[0, obstacles.label[0, 0]]] = False
+    return np.asarray(small[obstacles.label[1:-1, 1:-1]])
 
 
 def narrower(free: Mask, thick: int) -> Mask:

@@ -8,17 +8,15 @@ spaces that were separate.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import ndimage
-from skimage.measure import label as label_cells
+
+from vdoor.raster.morphology import components_of, covered, greatest, labelled, opened, room_for, square
 
 Ints = NDArray[np.int32]
 Mask = NDArray[np.bool_]
 Box = tuple[slice, ...]
-Number = TypeVar("Number", np.bool_, np.int32)
 
 AROUND = tuple((down, right) for down in range(3) for right in range(3) if (down, right) != (1, 1))
 BESIDE = 2
@@ -49,18 +47,19 @@ class Spaces:
         """
         element = disc(wide + 1)
         room = room_for(free, element)
-        found, count = ndimage.label(room)
-        centre = found.astype(np.int32)
-        label = covered(centre, element, free.shape)
-        lowest = count + 1 - covered(np.where(room, np.int32(count + 1) - centre, np.int32(0)), element, free.shape)
+        centre = labelled(room)
+        count = int(centre.max(initial=0))
+        label = greatest(centre, element, count)
+        lowest = count + 1 - greatest((count + 1 - centre) * room, element, count)
         gap = (label > 0) & (label != lowest)  # covered by robots in two spaces
-        label = np.where(gap, np.int32(0), label)
+        label[gap] = 0
         gap |= beside_other(label)
-        narrow = free & ((label == 0) | reached_from_two_sides(room, element, free.shape))
+        narrow = free & ((label == 0) | reached_from_two_sides(room, element))
         gap |= between_sides(narrow, label)
         gap |= between_sides(free & ~opened(free, square(wide + 1)), label)
         narrow = free & (label == 0)
-        return cls(np.where(gap, 0, label).astype(np.int32), gap, narrow | gap)
+        label[gap] = 0
+        return cls(label, gap, narrow | gap)
 
 
 def furniture(free: Mask, loose: Mask, *, gap: int, around: int, least: float) -> Mask:
@@ -71,14 +70,15 @@ def furniture(free: Mask, loose: Mask, *, gap: int, around: int, least: float) -
     none within `around` cells. Spaces of fewer than `least` cells do not count.
     """
     spaces = Spaces.of(free, gap)
-    piece, narrow, group = (label_cells(mask, connectivity=2) for mask in (loose, spaces.narrow, loose | spaces.narrow))
+    pieces = components_of(loose, 2)
+    piece, narrow, group = pieces.label, labelled(spaces.narrow, 2), labelled(loose | spaces.narrow, 2)
     large = np.bincount(spaces.label.ravel()) >= least
-    boxes = ndimage.find_objects(piece)
     walls: set[int] = set()
     beside: dict[int, set[int]] = {}
     # A piece without narrow places or other obstacles beside it is surrounded by one space, so it is no wall.
-    for number in np.unique(pairs_beside(piece, (spaces.narrow | ~(free | loose)).astype(np.int32))[:, 0]).tolist():
-        box, near = boxes[number - 1], grown(boxes[number - 1], max(around, gap + BESIDE), free.shape)
+    for number in np.unique(piece[with_neighbours(spaces.narrow | ~(free | loose)) & loose]).tolist():
+        box = pieces.box(number)
+        near = grown(box, max(around, gap + BESIDE), free.shape)
         obstacle = piece[near] == number
         own = int(group[near][obstacle][0])
         if own in walls:
@@ -88,11 +88,15 @@ def furniture(free: Mask, loose: Mask, *, gap: int, around: int, least: float) -
         label = spaces.label[near]
         found = beside.setdefault(own, set())
         found.update(space for space in np.setdiff1d(label[at], 0).tolist() if large[space])
-        part, _ = ndimage.label(label)
+        part = labelled(label > 0)
         sides = np.bincount(part.ravel())[np.setdiff1d(part[at], 0)]
         if len(found) > 1 or (sides >= least).sum() > 1:
             walls.add(own)
-    return loose & ~np.isin(group, list(walls))
+    wall = np.zeros(int(group.max(initial=0)) + 1, np.bool_)
+    wall[list(walls)] = True
+    goes = loose.copy()
+    goes[loose] = ~wall[group[loose]]
+    return goes
 
 
 def in_line(free: Mask, *, wide: int, thick: int, least: int) -> Mask:
@@ -101,17 +105,12 @@ def in_line(free: Mask, *, wide: int, thick: int, least: int) -> Mask:
     Dashes are at most `thick` cells thick, and one of the two is at least `least` cells long.
     """
     found = []
-    for turned in (free, free.T):
+    for turned in (free, np.ascontiguousarray(free.T)):
         thin = ~turned & ~opened(~turned, square(thick + 1)[:, :1])
         dash, long = (opened(thin, square(length)[:1]) for length in (SHORTEST_DASH, least))
         gap = turned & ~opened(~dash, square(wide + 1)[:1])
         found.append(gap & beside_in_row(long, wide))
     return np.asarray(found[0] | found[1].T)
-
-
-def square(side: int) -> Mask:
-    """A square of `side` cells."""
-    return np.ones((side, side), np.bool_)
 
 
 def disc(side: int) -> Mask:
@@ -120,33 +119,7 @@ def disc(side: int) -> Mask:
     return np.asarray(np.hypot(away[:, None], away) <= side / 2)
 
 
-def opened(mask: Mask, element: Mask) -> Mask:
-    """The morphological opening of a mask (h, w) by an element (j, k): all cells it covers where it fits."""
-    return covered(room_for(mask, element), element, mask.shape)
-
-
-def room_for(mask: Mask, element: Mask) -> Mask:
-    """Where an element (j, k) fits into a mask (h, w), indexed by its upper left cell, offset by `size` cells."""
-    size = max(element.shape)
-    padded = np.pad(mask, size)
-    height, width = (length + size for length in mask.shape)
-    room = np.ones((height, width), np.bool_)
-    for down, right in np.argwhere(element).tolist():
-        room &= padded[down : down + height, right : right + width]
-    return room
-
-
-def covered(value: NDArray[Number], element: Mask, shape: tuple[int, ...]) -> NDArray[Number]:
-    """The greatest value (h, w) of all elements that cover a cell; `value` is indexed as in `room_for`."""
-    size = max(element.shape)
-    found = np.zeros([length + 2 * size for length in shape], value.dtype)
-    for down, right in np.argwhere(element).tolist():
-        window = found[down : down + value.shape[0], right : right + value.shape[1]]
-        np.maximum(window, value, out=window)
-    return found[size:-size, size:-size]
-
-
-def reached_from_two_sides(room: Mask, element: Mask, shape: tuple[int, ...]) -> Mask:
+def reached_from_two_sides(room: Mask, element: Mask) -> Mask:
     """The cells (h, w) covered by elements from both ends of a gap, and neighbours covered from different ends.
 
     A round robot at either end reaches into a gap that it does not fit through. The elements that cover such a cell
@@ -155,17 +128,26 @@ def reached_from_two_sides(room: Mask, element: Mask, shape: tuple[int, ...]) ->
     down, right = len(element) - 1 - 2 * np.indices(element.shape)  # half cells from a cell to the element's centre
     direction = np.rint(np.arctan2(down, right) / (np.pi / 4)).astype(int) % 8
     aside = element & (np.hypot(down, right) > 2)  # noqa: PLR2004  # more than a cell from the centre
-    seen = np.stack([covered(room, aside & (direction == way), shape) for way in range(8)])
-    found = (seen & ~np.roll(seen, 1, axis=0)).sum(axis=0) > 1
-    found &= ~covered(room, element & ~aside, shape)
-    reached = covered(room, element, shape)
+    found = starts_twice([covered(room, aside & (direction == way)) for way in range(8)])
+    found &= ~covered(room, element & ~aside)
+    reached = covered(room, element)
     for first, second in ((np.s_[:-1], np.s_[1:]), (np.s_[:, :-1], np.s_[:, 1:])):
         pair = np.zeros_like(element)
         pair[first] = element[first] & element[second]
-        meet = (reached[first] & reached[second]) & ~covered(room, pair, shape)[first]
+        meet = (reached[first] & reached[second]) & ~covered(room, pair)[first]
         found[first] |= meet
         found[second] |= meet
     return np.asarray(found)
+
+
+def starts_twice(seen: list[Mask]) -> Mask:
+    """Where two or more ranges of set masks begin, in a list that is closed to a ring."""
+    once, twice = np.zeros_like(seen[0]), np.zeros_like(seen[0])
+    for number, mask in enumerate(seen):
+        begins = mask & ~seen[number - 1]
+        twice |= once & begins
+        once |= begins
+    return twice
 
 
 def beside_other(label: Ints) -> Mask:
@@ -183,18 +165,19 @@ def between_sides(narrow: Mask, label: Ints) -> Mask:
 
     Sides of a space are those that are not connected near the piece.
     """
-    piece = label_cells(narrow, connectivity=2)
-    space = np.where(narrow, 0, label)
-    side = label_cells((space > 0) & with_neighbours(narrow), connectivity=1)
-    count = int(piece.max(initial=0)) + 1
+    pieces = components_of(narrow, 2)
+    piece, count = pieces.label, pieces.count + 1
+    space = label * ~narrow
+    side = labelled((space > 0) & with_neighbours(narrow))
     of_spaces, of_sides = (np.bincount(pairs_beside(piece, other)[:, 0], minlength=count) for other in (space, side))
     gap = of_spaces > 1
-    boxes = ndimage.find_objects(piece)
     for number in np.flatnonzero((of_sides > 1) & ~gap).tolist():
-        near = grown(boxes[number - 1], AROUND_GAP, narrow.shape)
-        part, _ = ndimage.label(space[near])
+        near = grown(pieces.box(number), AROUND_GAP, narrow.shape)
+        part = labelled(space[near] > 0)
         gap[number] = len(np.setdiff1d(part[with_neighbours(piece[near] == number)], 0)) > 1
-    return np.asarray(gap[piece])
+    found = np.zeros_like(narrow)
+    found[narrow] = gap[piece[narrow]]
+    return found
 
 
 def with_neighbours(mask: Mask) -> Mask:

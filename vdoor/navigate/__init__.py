@@ -4,5 +4,5 @@ ROBOT_RADIUS_M = 0.17
 """The radius of a usual robot vacuum."""
 TOOL_M = 0.30
 """The width of its tool."""
-TRADE, LEAVE = 0.15, 0.02
+TRADE, LEAVE = 0.24, 0.02
 """How much area a covering path gives up for a length saved, and at most in all; see `CoverFloor`."""

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
+import skimage
 from numpy.typing import NDArray
-from skimage.draw import polygon
 
 from vdoor.frame import Frame
 from vdoor.grid import Annotations, Line, OccupancyGrid
@@ -65,7 +65,7 @@ def ruled_out(frame: Frame, annotations: Annotations, *, mops: bool) -> Mask:
     out = np.zeros((frame.height, frame.width), np.bool_)
     for area in areas:
         row, col = frame.cell_from_world(np.array(area)).T
-        out[polygon(row, col, out.shape)] = True
+        out[skimage.draw.polygon(row, col, out.shape)] = True
     for start, end in _sides(frame, annotations.virtual_walls_m, areas):
         for row, columns in _touched(start, end, out.shape):
             out[row, columns] = True

@@ -32,6 +32,7 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int32]
+Mask = NDArray[np.bool_]
 
 UNITS = ("room", "map")
 """What is swept as a whole before the robot goes on: each room (the paper's way), or the map."""
@@ -117,7 +118,7 @@ class CoverFloor:
     between coverage and length."""
     leave: Annotated[float, Within(0, 1)] = LEAVE
     """Largest share of the floor that may stay uncovered for a shorter path."""
-    bend_m: Annotated[float, Within(0, 10)] = 0.3
+    bend_m: Annotated[float, Within(0, 10)] = 0.33
     """What a bend of the path costs, as a length."""
     speed_m_s: Annotated[float, Within(0.001, 10)] = 0.3
     turn_rad_s: Annotated[float, Within(0.001, 100)] = 1.5
@@ -229,15 +230,17 @@ class CoverFloor:
 
     def _record(self, found: Covered, space: Space, topology: TopologicalMap, rooms: Sequence[int]) -> Coverage:
         frame, path = space.frame, found.path
-        figures = measured(path, found.swept, found.wanted, topology.labels, space, tool_m=self.tool_m)
+        figures = measured(path, found.tool, found.wanted, topology.labels, space)
         point_m = frame.world_from_cell(path.point)
         step_m = np.diff(point_m, axis=0)
-        reached = np.bincount(topology.labels[found.wanted], minlength=max(rooms) + 1)
+        fine = found.tool.fine
+        row, col = np.nonzero(found.wanted)
+        reached = np.bincount(topology.labels[row // fine, col // fine], minlength=max(rooms) + 1)
         motion = Motion(speed_m_s=self.speed_m_s, turn_rad_s=self.turn_rad_s)
         at_s = motion.times_s(path, frame.resolution_m)
         last = np.searchsorted(path.visit, np.arange(len(found.room)), "right") - 1
         return Coverage(
-            swept=first_swept(found),
+            swept=first_swept(found, space.blocked),
             point_m=point_m,
             yaw_rad=headings(step_m)[: len(point_m)],
             along_m=np.concatenate([[0.0], np.cumsum(np.hypot(*step_m.T))]),
@@ -262,8 +265,13 @@ class CoverFloor:
         )
 
 
-def first_swept(found: Covered) -> Ints:
-    """The number of the segment that sweeps each cell first (h, w), from 1 on; 0 for none."""
-    first = np.zeros(found.wanted.size, np.int32)
-    first[found.swept.cell[::-1]] = found.swept.segment[::-1] + 1  # the last assignment stays
-    return first.reshape(found.wanted.shape)
+def first_swept(found: Covered, blocked: Mask) -> Ints:
+    """The number of the segment that sweeps each cell of the map first (h, w), from 1 on; 0 for none.
+
+    `blocked` (h, w) are the cells of the map that stop the tool.
+    """
+    tool = dataclasses.replace(found.tool, blocked=blocked, fine=1)
+    swept = tool.swept(found.path.point[:-1], found.path.point[1:])
+    first = np.zeros(blocked.size, np.int32)
+    first[swept.cell[::-1]] = swept.segment[::-1] + 1  # the last assignment stays
+    return first.reshape(blocked.shape)

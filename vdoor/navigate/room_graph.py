@@ -8,9 +8,8 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.sparse import csr_array
-from scipy.sparse.csgraph import dijkstra
 
 from vdoor.frame import Frame
 from vdoor.navigate.space import Space
@@ -48,7 +47,7 @@ class RoomGraph:
     """Row, col, in the map, of the upper left cell of `node`."""
     node: Ints
     """The number of each cell (h, w) of a part of the map, -1 for cells that do not belong to the graph."""
-    steps: csr_array
+    steps: scipy.sparse.csr_array
     crossing: Mask
     """The corners of cells that keep the clearance (h - 1, w - 1)."""
 
@@ -78,7 +77,7 @@ class RoomGraph:
 
     def distances(self, source: Cell, *, limit: float = np.inf) -> Ints:
         """The distance (n,) of each node from a cell, `FAR` beyond the limit."""
-        found = dijkstra(self.steps, indices=np.array(self.number(source)), limit=limit)
+        found = scipy.sparse.csgraph.dijkstra(self.steps, indices=np.array(self.number(source)), limit=limit)
         return np.where(np.isfinite(found), found, float(FAR)).astype(np.int32)
 
     def way(self, start: Cell, distance: Ints) -> list[Cell]:

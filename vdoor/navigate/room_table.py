@@ -11,8 +11,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from vdoor.files import write_whole
 from vdoor.navigate.room_graph import RoomGraph
+from vdoor.partial import write_whole
 
 Ints = NDArray[np.int32]
 Table = Ints

@@ -13,10 +13,8 @@ from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy import ndimage
-from scipy.sparse import csr_array
-from scipy.sparse.csgraph import dijkstra
 
 from vdoor.navigate.places import Standing, standing_in
 from vdoor.navigate.portals import portals_of
@@ -69,7 +67,7 @@ class Routes:
         self.topology = topology
         self.tables: Tables = {} if tables is None else tables
         """The rooms' tables; new ones are added."""
-        self._boxes = ndimage.find_objects(topology.labels)
+        self._boxes = scipy.ndimage.find_objects(topology.labels)
         self.standing: dict[int, Standing | None] = {
             room: standing_in(space, topology, room, self._boxes[room - 1]) for room in topology.room_ids
         }
@@ -216,7 +214,7 @@ class Routes:
         """The distances (t,) of all terminals from where the `own` ones are at some distances."""
         links, count = self._links, len(self._cells)
         reached = np.isfinite(before)
-        graph = csr_array(
+        graph = scipy.sparse.csr_array(
             (
                 np.append(links.data, before[reached] + 1),  # a length of 0 would be no link
                 np.append(links.indices, np.array(own)[reached]),
@@ -224,7 +222,7 @@ class Routes:
             ),
             shape=(count + 1, count + 1),
         )
-        found: Floats = dijkstra(graph, indices=np.array(count))[:count] - 1
+        found: Floats = scipy.sparse.csgraph.dijkstra(graph, indices=np.array(count))[:count] - 1
         return found
 
     def _passed(self, row: Floats, own: dict[int, float], last: int) -> list[int]:
@@ -256,11 +254,11 @@ class Routes:
     def _row(self, terminal: int) -> Floats:
         """The distances (t,) of all terminals from one of them, infinite where there is no way."""
         if terminal not in self._rows:
-            self._rows[terminal] = dijkstra(self._links, indices=np.array(terminal))
+            self._rows[terminal] = scipy.sparse.csgraph.dijkstra(self._links, indices=np.array(terminal))
         return self._rows[terminal]
 
     @cached_property
-    def _links(self) -> csr_array:
+    def _links(self) -> scipy.sparse.csr_array:
         """The distances between the terminals of each room, as a graph of all terminals."""
         links = [np.zeros((0, 3), np.int64)]
         for room, terminals in self._of_room.items():
@@ -293,8 +291,8 @@ class Routes:
         return self._graphs[room]
 
 
-def _shortest(links: NDArray[np.int64], count: int) -> csr_array:
+def _shortest(links: NDArray[np.int64], count: int) -> scipy.sparse.csr_array:
     """A graph with the shortest of the links (k, 3), each two nodes and a length, between each two of its nodes."""
     start, end, length = links[np.lexsort(links.T[::-1])].T
     first = np.append(True, (np.diff(start) != 0) | (np.diff(end) != 0))[: len(start)]
-    return csr_array((length[first].astype(np.float64), (start[first], end[first])), shape=(count, count))
+    return scipy.sparse.csr_array((length[first].astype(np.float64), (start[first], end[first])), shape=(count, count))

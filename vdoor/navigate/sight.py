@@ -7,7 +7,6 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from vdoor.method.final_doors import to_segment_m
 from vdoor.navigate.space import Space
 from vdoor.raster.strips import near_segments
 
@@ -69,27 +68,39 @@ def least_clearance(space: Space, points: Floats, *, most_m: float = 2.0) -> flo
     Exact up to `most_m`, which is what a path far from everything gets. One point is a path, too.
     """
     most = most_m / space.frame.resolution_m
-    margin = math.ceil(most) + 2
-    padded = np.pad(space.blocked, margin, constant_values=True)
     starts, ends = (points[:-1], points[1:]) if len(points) > 1 else (points, points)
-    found = most
-    for start, end in zip(starts, ends, strict=True):
-        first, begin, stop = near_segments(start[None], end[None], found)
-        rows = np.repeat(np.arange(begin.shape[1]), stop[0] - begin[0])
-        cols = np.concatenate([np.zeros(0, np.int64), *map(np.arange, begin[0], stop[0])])
-        cells = np.stack([first[0, 0] + rows, cols], axis=1)
-        cells = cells[padded[tuple((cells + margin).T)]]
-        if len(cells):
-            found = min(found, float(_to_squares(cells, start, end).min()))
-    return found * space.frame.resolution_m
+    near = min(max(1.1 * space.radius_m / space.frame.resolution_m, 1.0), most)
+    while True:  # as a rule a path comes as near to something as it may, so that few cells have to be looked at
+        found = _least(space.blocked, starts, ends, near)
+        if found < near or near >= most:
+            return found * space.frame.resolution_m
+        near = min(2 * near, most)
+
+
+def _least(blocked: Mask, start: Floats, end: Floats, most: float) -> float:
+    """The least distance of segments (k, 2) to blocked cells (h, w), in cells, `most` if none is nearer."""
+    margin = math.ceil(most) + 2
+    padded = np.pad(blocked, margin, constant_values=True)
+    first, begin, stop = near_segments(start, end, most)
+    count = (stop - begin).reshape(-1)
+    run = np.repeat(np.arange(len(count)), count)
+    of, down = np.divmod(run, begin.shape[1])
+    col = np.arange(len(run)) - np.repeat(np.cumsum(count) - count - begin.reshape(-1), count)
+    cell = np.stack([first[of, 0] + down, col], axis=1)
+    held = np.flatnonzero(padded[tuple((cell + margin).T)])
+    return float(_to_squares(cell[held], start[of[held]], end[of[held]]).min(initial=most))
 
 
 CORNERS = np.array([(-0.5, -0.5), (-0.5, 0.5), (0.5, -0.5), (0.5, 0.5)])
 
 
 def _to_squares(cells: NDArray[np.int64], start: Floats, end: Floats) -> Floats:
-    """The distances from a segment to squares (k, 2) that it does not cross: least at one of its ends or a corner."""
-    to_corners = to_segment_m((cells[:, None] + CORNERS).reshape(-1, 2), start, end).reshape(-1, 4).min(axis=1)
+    """The distances from segments (k, 2) to squares that they do not cross: least at one of the ends or a corner."""
+    along = end - start
+    apart = cells[:, None] + CORNERS - start[:, None]
+    share = (apart * along[:, None]).sum(axis=2) / np.maximum((along**2).sum(axis=1), SLACK**2)[:, None]
+    beside = apart - np.clip(share, 0, 1)[..., None] * along[:, None]
+    to_corners = np.sqrt((beside**2).sum(axis=2)).min(axis=1)
     to_ends = [np.hypot(*np.maximum(np.abs(cells - point) - 0.5, 0).T) for point in (start, end)]
     found: Floats = np.minimum(to_corners, np.minimum(*to_ends))
     return found

@@ -12,9 +12,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy import ndimage
-from scipy.sparse import coo_array, csr_array
 
 from vdoor.frame import Frame
 from vdoor.raster.components import components
@@ -46,12 +45,12 @@ class Space:
     def of(cls, blocked: Mask, frame: Frame, radius_m: float) -> Space:
         """The space of a robot of that radius; everything outside the map is blocked."""
         radius = radius_m / frame.resolution_m
-        return cls(frame, blocked, radius_m, ~_grown(blocked, radius, 0.0), ~_grown(blocked, radius, 0.5))
+        return cls(frame, blocked, radius_m, ~grown(blocked, radius, 0.0), ~grown(blocked, radius, 0.5))
 
     @cached_property
     def parts(self) -> Ints:
         """The connected part of each allowed cell (h, w), numbered from 1 in reading order; 0 elsewhere."""
-        label, count = ndimage.label(self.allowed)
+        label, count = scipy.ndimage.label(self.allowed)
         one, other = label[:-1], label[1:]
         links = [(one[:, :-1], other[:, 1:]), (one[:, 1:], other[:, :-1])]
         pairs = [np.stack([a[self._joined(a, b)], b[self._joined(a, b)]]) for a, b in links]
@@ -61,7 +60,7 @@ class Space:
     def _joined(self, one: NDArray[np.integer], other: NDArray[np.integer]) -> Mask:
         return np.asarray(self.crossing & (one > 0) & (other > 0) & (one != other))
 
-    def graph(self, cells: Mask) -> tuple[csr_array, Ints]:
+    def graph(self, cells: Mask) -> tuple[scipy.sparse.csr_array, Ints]:
         """The steps between some allowed cells (h, w) as a graph weighted by length in metres, and each cell's node.
 
         Nodes (h, w) are numbered in reading order; -1 for other cells. Each step appears in both directions.
@@ -77,7 +76,7 @@ class Space:
         start, end, length_m = (np.concatenate(part) for part in (starts, ends, lengths))
         both = (np.concatenate([start, end]), np.concatenate([end, start]))
         count = int(np.count_nonzero(cells))
-        return coo_array((np.tile(length_m, 2), both), shape=(count, count)).tocsr(), node
+        return scipy.sparse.coo_array((np.tile(length_m, 2), both), shape=(count, count)).tocsr(), node
 
     def _steps(self, node: Ints) -> list[tuple[Ints, Ints, Mask, float]]:
         """Neighbours right, down, and on both diagonals: their nodes, whether the step is possible, its length."""
@@ -90,8 +89,11 @@ class Space:
         ]
 
 
-def _grown(blocked: Mask, radius: float, offset: float) -> Mask:
-    """The lattice points nearer than `radius` cells to a blocked cell: centres (offset 0) or inner corners (0.5)."""
+def grown(blocked: Mask, radius: float, offset: float = 0.0) -> Mask:
+    """The lattice points nearer than `radius` cells to a blocked cell: centres (offset 0) or inner corners (0.5).
+
+    Everything outside the map is blocked.
+    """
     pad = int(np.ceil(radius)) + 1
     padded = np.pad(blocked, pad, constant_values=True)
     reach = np.arange(-pad, pad + 1) - offset  # from a point to cell rows, or columns

@@ -42,7 +42,7 @@ NAMES = (*map(picture_of, SUB_CASES), FIGURE_5, SEARCH, TABLE_1)
 
 
 def pictures(evidence: Evidence) -> Iterator[tuple[str, bytes]]:
-    """Name and PNG of each, in the order of `NAMES`; `VdoorError` where matplotlib is missing."""
+    """Name and PNG of each, in the order of `NAMES`."""
     seed = evidence.size.seed
     for case in SUB_CASES:
         yield picture_of(case), sub_case_picture(case)

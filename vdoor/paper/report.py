@@ -10,7 +10,7 @@ from pathlib import Path
 from string import Template
 from typing import Any
 
-from vdoor.files import make_folder, write_whole
+from vdoor.files import make_folder
 from vdoor.method.search.optimisers import ExhaustiveSearch
 from vdoor.paper.claims import Evidence, Size, claims
 from vdoor.paper.door_counts import (
@@ -31,6 +31,7 @@ from vdoor.paper.runs import Run, runs
 from vdoor.paper.search import SearchStudy
 from vdoor.paper.tables import COVERAGE, NEAR, all_tables, met
 from vdoor.paper.walkthrough import Progress, no_progress
+from vdoor.partial import write_whole
 
 PAGE_NAME, NUMBERS_NAME = "README.md", "numbers.json"
 

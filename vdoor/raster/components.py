@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
-from scipy.spatial import cKDTree
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int32]
@@ -19,8 +17,8 @@ def components(links: NDArray[np.intp], count: int) -> NDArray[np.intp]:
     """
     if not count:
         return np.zeros(0, np.intp)
-    graph = coo_array((np.ones(links.shape[1], np.bool_), (links[0], links[1])), shape=(count, count))
-    _, label = connected_components(graph, directed=False)
+    graph = scipy.sparse.coo_array((np.ones(links.shape[1], np.bool_), (links[0], links[1])), shape=(count, count))
+    _, label = scipy.sparse.csgraph.connected_components(graph, directed=False)
     _, first, inverse = np.unique(label, return_index=True, return_inverse=True)
     return np.argsort(np.argsort(first))[inverse]
 
@@ -41,6 +39,6 @@ def contact_pieces(place: Floats, pair: Ints, gap: float) -> NDArray[np.intp]:
     """Connected piece (k,) of each contact, numbered from 0: the same two rooms, steps of at most `gap` cells."""
     if not len(place):
         return np.zeros(0, np.intp)
-    near = cKDTree(place).query_pairs(gap, output_type="ndarray")
+    near = scipy.spatial.cKDTree(place).query_pairs(gap, output_type="ndarray")
     near = near[(pair[near[:, 0]] == pair[near[:, 1]]).all(axis=1)]
     return components(near.T, len(place))

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import ndimage
-from skimage.measure import label as label_cells
 
+from vdoor.raster.morphology import distances, exact, labelled
 from vdoor.raster.runs import runs_of
 
 Ints = NDArray[np.int32]
@@ -16,7 +15,7 @@ Mask = NDArray[np.bool_]
 def at_input(working: Ints, factor: int, free: Mask) -> Ints:
     """The labels of the working grid at the input's resolution, on its free cells only."""
     fine = working.repeat(factor, axis=0).repeat(factor, axis=1) if factor > 1 else working
-    return np.where(free, fine[: free.shape[0], : free.shape[1]], 0).astype(np.int32)
+    return fine[: free.shape[0], : free.shape[1]] * free
 
 
 def whole(labels: Ints) -> Ints:
@@ -25,6 +24,8 @@ def whole(labels: Ints) -> Ints:
     Cells that are connected at the working resolution may not be at the input's, as behind a line of unknown cells or
     inside furniture. Flooding later assigns those that are reachable to a room again.
     """
+    from skimage.measure import label as label_cells  # noqa: PLC0415  # reading a result does not need it
+
     part = label_cells(labels, connectivity=1, background=0)
     runs = runs_of(part)
     cells = runs.cells(int(part.max(initial=0)))
@@ -66,7 +67,7 @@ def handed_on(labels: Ints, free: Mask) -> Ints:
     A piece gets the label with which it shares most cell sides, the lower one at a tie; a piece that touches none
     stays 0.
     """
-    piece = label_cells(free & (labels == 0), connectivity=1)
+    piece = labelled(free & (labels == 0))
     row, col = np.nonzero(piece)
     around = np.pad(labels, 1)
     near = np.stack([around[row + down, col + right] for down, right in ((0, 1), (1, 0), (1, 2), (2, 1))])
@@ -85,7 +86,7 @@ def half_seen(labels: Ints, free: Mask, open_: Mask, reach: float) -> Ints:
     Rays reach the rest of a room that is seen only in part cell by cell. `open_` (h, w) are the cells that are free or
     unknown. Cells with gaps between them that are at most twice as wide get one label, that of `handed_on`.
     """
-    near = ndimage.distance_transform_edt((labels > 0) | ~free) <= reach
+    near = exact(distances((labels > 0) | ~free)) <= reach
     return np.where(free, handed_on(labels, near & open_), 0).astype(np.int32)
 
 

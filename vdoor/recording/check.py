@@ -16,8 +16,10 @@ from vdoor.record import Record
 from vdoor.recording import about
 from vdoor.recording.diff import Setting
 from vdoor.recording.diff_report import setting_line
+from vdoor.recording.foreign import refuse_foreign
 from vdoor.recording.indexes import index_damage
-from vdoor.recording.mcap import naming, read_recording
+from vdoor.recording.mcap import read_recording
+from vdoor.recording.naming import TooMuchError, naming
 
 Emits = Callable[[RunInfo], Sequence[type[Record]]]
 """Record types that a run emits, from its settings."""
@@ -48,10 +50,10 @@ class Health:
 def check(path: Path, *, types: Sequence[type[Record]], emits: Emits | None = None) -> Health:
     """Health of a recording of a run that emits records of `types`, in this order; damage is reported, never raised.
 
-    Raises `RecordingError` if the file does not exist or cannot be opened.
+    Raises `RecordingError` if the file cannot be opened, is of another kind or program, or would take too much work.
     """
     with naming(path):
-        path.open("rb").close()
+        refuse_foreign(path)
     info: RunInfo | None = None
     absent: list[str] = []
     steps: list[tuple[int, str]] = []
@@ -61,6 +63,8 @@ def check(path: Path, *, types: Sequence[type[Record]], emits: Emits | None = No
         info = recording.info
         absent.extend(recording.lost)
         steps.extend((step, record.topic) for step, record in recording)
+    except TooMuchError:
+        raise
     except RecordingError as error:
         damage.append(str(error))
     try:

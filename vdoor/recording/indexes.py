@@ -8,7 +8,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, TypeAlias
 
-from vdoor.recording.mcap import naming, scan, unpacked
+from vdoor.recording.naming import naming
+from vdoor.recording.scan import Budget, scan, unpacked
 
 FOOTER_BYTES_BEFORE_CRC = 25
 """Kind, length and two offsets of the footer, which the checksum of the summary covers too."""
@@ -21,9 +22,9 @@ def index_damage(path: Path) -> list[str]:
 
     Raises `RecordingError` if the file cannot be read to its end or a checksum of the data is wrong.
     """
-    data, summary, footer = _Data(), defaultdict[str, list[Fields]](list), list[str]()
+    data, summary, footer = _Data(Budget.of(path)), defaultdict[str, list[Fields]](list), list[str]()
     with naming(path):
-        for begin, end, record in scan(path):
+        for begin, end, record in scan(path, data.budget):
             kind = type(record).__name__
             if kind == "Footer":
                 footer = _footer_damage(path, begin, vars(record), data_end=data.end)
@@ -40,7 +41,8 @@ def index_damage(path: Path) -> list[str]:
 class _Data:
     """The data section of a file, and the summary records that match it."""
 
-    def __init__(self) -> None:
+    def __init__(self, budget: Budget) -> None:
+        self.budget = budget
         self.end = 0
         """Byte at which the data section ends; 0 until it is reached."""
         self.wrong: list[str] = []
@@ -90,7 +92,7 @@ class _Data:
     def _add_chunk(self, begin: int, end: int, chunk: Any) -> None:
         self._check_indexed(begin)
         self._want_checksum(begin, chunk.uncompressed_crc)
-        for item in unpacked(chunk):
+        for item in unpacked(chunk, self.budget):
             kind, fields = type(item).__name__, vars(item)
             if kind == "Message":
                 self._to_index.setdefault(fields["channel_id"], []).append(fields["log_time"])

@@ -7,37 +7,31 @@ from __future__ import annotations
 
 import contextlib
 import dataclasses
-import io
-import os
-import stat
 import struct
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vdoor.emit import RunInfo
-from vdoor.errors import RecordingError, printable
+from vdoor.errors import RecordingError
 from vdoor.grid import OccupancyGrid
 from vdoor.interrupts import held_signals
-from vdoor.kinds import kind_of
 from vdoor.record import Record
 from vdoor.recording import about, codec, ros, viewers
 from vdoor.recording.about import Attached, attached
+from vdoor.recording.foreign import METADATA, refuse_foreign
+from vdoor.recording.naming import naming, naming_version
+from vdoor.recording.scan import CHUNK_BESIDE, CHUNK_TO, Budget, scan, unpacked
 
 if TYPE_CHECKING:
     from mcap.records import McapRecord, Message
 
-METADATA = "vdoor"
 EPOCH_NS, STEP_NS = 1_577_836_800 * ros.NS_PER_S, 100_000_000
 """Log time of step 0 (1 January 2020) and time between steps: arbitrary but fixed; viewers play ten steps a second."""
-CHUNK_TO = 2**30
-"""Maximum size of an uncompressed chunk in bytes: a raster of 16,384 x 16,384 labels."""
-SIZE_UNKNOWN = -1
-MAGIC_SIZE = 8
 
 
 def time_ns(step: int) -> int:
@@ -53,7 +47,8 @@ class McapSink:
     written.
     """
 
-    def __init__(self, path: Path, info: RunInfo) -> None:
+    def __init__(self, path: Path, info: RunInfo, stream: BinaryIO | None = None) -> None:
+        """Record in `stream`, a new file at `path` without it; the stream is closed with the sink."""
         from mcap.writer import Writer  # noqa: PLC0415  # only recordings need it
 
         self.path = path
@@ -63,7 +58,7 @@ class McapSink:
         self._files = info.source.files
         """Files of the map that have not been written yet."""
         with _naming_unwritable(path):
-            self._stream = path.open("wb")
+            self._stream = stream or path.open("wb")
         self._writer = Writer(self._stream, enable_data_crcs=True)
         with self._writing():
             self._writer.start(profile="ros2")
@@ -77,6 +72,7 @@ class McapSink:
         now_ns = time_ns(step)
         messages = [*codec.encode(record, time_ns=now_ns)]
         messages += viewers.for_viewers(record, time_ns=now_ns, cells=self._cells)
+        self._refuse_large(record, max(len(data) for _, _, data in messages))
         with self._writing():
             for topic, name, data in messages:
                 self._writer.add_message(self._channel(topic, name), now_ns, data, now_ns, step)  # type: ignore[arg-type]  # any buffer works
@@ -91,6 +87,14 @@ class McapSink:
             self._attach_files()
             self._writer.finish()  # type: ignore[no-untyped-call]
             self._stream.close()
+
+    def _refuse_large(self, record: Record, size: int) -> None:
+        """Raise `RecordingError` for a message that could not be read again; the largest map is far below that."""
+        if size > CHUNK_TO - CHUNK_BESIDE:
+            raise RecordingError(
+                f"recording: wanted at most {CHUNK_TO} bytes for {record.topic}, found {size}; "
+                f"a map as large as this can be run without --mcap: {self.path}"
+            )
 
     def _attach_files(self) -> None:
         """Write the map's files, once."""
@@ -169,7 +173,7 @@ def _info(path: Path) -> tuple[RunInfo, list[str]]:
     names: list[str] = []
     files: list[Attached] = []
     try:
-        for _, _, record in scan(path):
+        for _, _, record in scan(path, Budget.of(path)):
             if isinstance(record, Metadata) and record.name == METADATA:
                 text, names = record.metadata, about.source_names(record.metadata)
             elif isinstance(record, Attachment):
@@ -180,6 +184,7 @@ def _info(path: Path) -> tuple[RunInfo, list[str]]:
         if text is None:
             raise
         return about.salvaged(text, files)
+    refuse_foreign(path)
     raise RecordingError(
         f"recording: wanted metadata named {METADATA}, {'its source files, ' if text else ''}found none"
     )
@@ -243,8 +248,9 @@ def step_of(topic: str, log_time_ns: int) -> int:
 def _messages(path: Path) -> Iterator[tuple[str, str, Message]]:
     """Topic, ROS type and message, for all messages that are parts of records."""
     topics = Topics()
-    for _, _, record in scan(path):
-        for item in unpacked(record):
+    budget = Budget.of(path)
+    for _, _, record in scan(path, budget):
+        for item in unpacked(record, budget):
             yield from topics.parts(item)
 
 
@@ -254,6 +260,11 @@ class Topics:
     def __init__(self) -> None:
         self._names: dict[int, str] = {}
         self._channels: dict[int, tuple[str, int, str]] = {}
+
+    @property
+    def names(self) -> set[str]:
+        """The topics so far."""
+        return {topic for topic, _, _ in self._channels.values()}
 
     def parts(self, item: McapRecord) -> Iterator[tuple[str, str, Message]]:
         """Topic, type and message, if the item is a part of a record.
@@ -274,106 +285,6 @@ class Topics:
             topic, schema, encoding = self._channels.get(item.channel_id, (unknown, 0, ""))
             if topic not in viewers.TOPICS:
                 yield topic, self._names.get(schema, "no schema") + encoding, item
-
-
-def unpacked(record: McapRecord) -> list[McapRecord]:
-    """Contents of a chunk, after a check of its claimed size; any other record as it is."""
-    import zstandard  # noqa: PLC0415  # only recordings need it
-    from mcap.records import Chunk  # noqa: PLC0415
-    from mcap.stream_reader import breakup_chunk  # noqa: PLC0415
-
-    if not isinstance(record, Chunk):
-        return [record]
-    if record.compression not in {"zstd", ""}:
-        raise RecordingError(f"recording: wanted zstd or uncompressed chunks, found {record.compression!r}")
-    claims = {record.uncompressed_size}
-    if record.compression:
-        claims.add(zstandard.frame_content_size(record.data))
-    if len(claims - {SIZE_UNKNOWN}) > 1 or max(claims) > CHUNK_TO:
-        raise RecordingError(
-            f"recording: wanted a chunk of at most {CHUNK_TO} bytes, found one that claims {max(claims)}"
-        )
-    return breakup_chunk(record, validate_crc=True)
-
-
-def scan(path: Path) -> Iterator[tuple[int, int, McapRecord]]:
-    """Begin, end and content of all top-level records of the file; chunks are not unpacked.
-
-    Checks the checksum of the data section, and raises `RecordingError` if bytes follow the last record.
-    """
-    from mcap.stream_reader import StreamReader  # noqa: PLC0415  # only recordings need it
-
-    with _Bounded(io.FileIO(path)) as stream:
-        begin = MAGIC_SIZE
-        for record in StreamReader(stream, emit_chunks=True, validate_crcs=True, record_size_limit=None).records:
-            yield begin, stream.tell(), record
-            begin = stream.tell()
-        if stream.read(1):
-            raise RecordingError(f"recording: wanted nothing after byte {begin + MAGIC_SIZE}, found more")
-
-
-def parse(data: bytes) -> McapRecord | None:
-    """The record, with its header, in `data`; None for an unknown kind."""
-    from mcap.stream_reader import StreamReader  # noqa: PLC0415  # only recordings need it
-
-    reader = StreamReader(io.BytesIO(data), skip_magic=True, emit_chunks=True, record_size_limit=len(data))
-    return next(reader.records, None)
-
-
-class _Bounded(io.BufferedReader):
-    """A file that never allocates more bytes than it has left, whatever length a record claims."""
-
-    def read(self, size: int | None = -1, /) -> bytes:
-        left = os.fstat(self.fileno()).st_size - self.tell()
-        return super().read(left if size is None else min(size, left))
-
-
-@contextlib.contextmanager
-def naming_version(version: str) -> Iterator[None]:
-    """Add to a `RecordingError` the version that wrote the recording, and what to do."""
-    try:
-        yield
-    except RecordingError as error:
-        raise RecordingError(
-            f"{error} (written by vdoor {version}); read it with that version, or record it again"
-        ) from error
-
-
-@contextlib.contextmanager
-def naming(path: Path) -> Iterator[None]:
-    """Turn errors of reading into a `RecordingError` that ends with the path."""
-    import zstandard  # noqa: PLC0415  # only recordings need it
-    from mcap.exceptions import EndOfFile, InvalidMagic, McapError  # noqa: PLC0415
-
-    try:
-        _refuse_pipe(path)
-        yield
-    except RecordingError as error:
-        raise RecordingError(f"{printable(str(error))}: {path}") from error
-    except OSError as error:
-        raise RecordingError(f"recording: cannot be read ({error.strerror}): {path}") from error
-    except (EndOfFile, struct.error) as error:
-        raise RecordingError(f"recording: wanted a complete MCAP file, found it cut short: {path}") from error
-    except InvalidMagic as error:
-        raise RecordingError(f"recording: {_wanted(path)}: {path}") from error
-    except (McapError, zstandard.ZstdError, ValueError, OverflowError, MemoryError) as error:
-        raise RecordingError(f"recording: damaged ({printable(str(error))}): {path}") from error
-
-
-def _wanted(path: Path) -> str:
-    """What was wanted, for a file that is no MCAP, and how to get one."""
-    kind = kind_of(path)
-    advice = "; `vdoor run --mcap` writes what this command reads" if kind == "a Rerun recording" else ""
-    return f"wanted an MCAP file, found {kind}{advice}"
-
-
-def _refuse_pipe(path: Path) -> None:
-    """Raise `RecordingError` for anything but a file or folder: opening it could block forever."""
-    mode = path.stat().st_mode
-    if not (stat.S_ISREG(mode) or stat.S_ISDIR(mode)):
-        raise RecordingError("recording: wanted a file, found a device or pipe")
-    if stat.S_ISDIR(mode):
-        raise RecordingError(f"recording: {_wanted(path)}")
 
 
 @contextlib.contextmanager

@@ -10,11 +10,14 @@ from typing import Any
 
 from vdoor.errors import RecordingError
 from vdoor.files import partial_name
+from vdoor.partial import Partial
 from vdoor.record import Record
 from vdoor.recording import about, codec
 from vdoor.recording.about import Attached
 from vdoor.recording.check import Emits, lost, wanted
-from vdoor.recording.mcap import METADATA, McapSink, Topics, decoded, find, naming, step_of
+from vdoor.recording.foreign import METADATA, foreign, is_own, refuse_foreign
+from vdoor.recording.mcap import McapSink, Topics, decoded, find, step_of
+from vdoor.recording.naming import naming
 from vdoor.recording.salvage import salvage
 
 
@@ -33,27 +36,30 @@ class Recovery:
 def recover(path: Path, out: Path, *, types: Sequence[type[Record]], emits: Emits | None = None) -> Recovery:
     """Write the intact records, of `types`, of the recording at `path` to a new recording `out`.
 
-    Raises `RecordingError` if `path` cannot be read or has another schema, or if `out` cannot be written; no file is
-    left behind then.
+    Raises `RecordingError` if `path` cannot be read, is of another kind or program, or has another schema, or if `out`
+    cannot be written; no file is left behind then.
     """
+    with naming(path):
+        refuse_foreign(path)
     contents = _Contents(path)
     with naming(path):
+        contents.refuse_foreign()
         info, damage = about.salvaged(contents.text, contents.attachments)
-    partial, steps = partial_name(out), list[tuple[int, str]]()
-    while partial.exists():  # probably the file to recover
-        partial = partial_name(partial)
+    name, steps = partial_name(out), list[tuple[int, str]]()
+    if name.exists() and name.samefile(path):
+        name = partial_name(name)
+    partial = Partial(out, name=name)
     sink: McapSink | None = None
     try:
         for step, record in contents.records({record.topic: record for record in types}):
-            sink = sink or McapSink(partial, info)
+            sink = sink or McapSink(partial.name, info, partial.stream())
             sink.write(step, record)
             steps.append((step, record.topic))
         if sink is not None:
             sink.close()
-            partial.replace(out)
-    except BaseException:
-        partial.unlink(missing_ok=True)
-        raise
+            partial.give_name()
+    finally:
+        partial.remove()
     missing = lost(steps, wanted(info, steps, types=types, emits=emits))
     return Recovery(
         records=dict(Counter(topic for _, topic in steps)),
@@ -78,6 +84,12 @@ class _Contents:
             else:
                 for item in found:
                     self._take(item)
+
+    def refuse_foreign(self) -> None:
+        """Raise `RecordingError` if all that is left are topics of other programs."""
+        topics = self._topics.names
+        if topics and self.text is None and not any(map(is_own, topics)):
+            raise RecordingError(foreign(topics))
 
     def damage(self) -> Iterator[str]:
         """Losses other than the run's metadata and source files, one line each."""

@@ -28,8 +28,8 @@ from vdoor.record import TEXT
 from vdoor.recording.mcap import read_recording
 from vdoor.results.annotations import read_table as annotations_in
 from vdoor.results.segments import named_by_robot
-from vdoor.results.writing import GREY_FREE, GREY_OCCUPIED, NAMES, SCHEMA
-from vdoor.topology import KINDS, Door, TopologicalMap, signed_area_m2
+from vdoor.results.writing import GREY_FREE, GREY_OCCUPIED, NAMES, SCHEMA, file_in, refuse_others
+from vdoor.topology import KINDS, Door, TopologicalMap
 
 Ints = NDArray[np.int32]
 Feature = tuple[int, bool, tuple[float, float]]
@@ -93,7 +93,7 @@ def read_result(folder: Path, *, provenance: bool = False) -> Finished:
         if not (folder / name).is_file():
             raise VdoorError(f"result: wanted a folder written by `vdoor run --out`, found no {name} in it: {folder}")
     document = read_table(folder / "map.json")
-    labels = read_labels(folder / "rooms.png").astype(np.int32)
+    labels = read_labels(file_in(folder, "rooms.png", document)).astype(np.int32)
     with _naming(folder):
         if document["schema"] != SCHEMA:
             raise VdoorError(f"map.json: wanted schema {SCHEMA}, found {shown(document['schema'])}")
@@ -104,7 +104,7 @@ def read_result(folder: Path, *, provenance: bool = False) -> Finished:
         features = [feature for table in document["rooms"] for feature in _features(table)]
         names = {table["id"]: _text(table.get("name", "")) for table in document["rooms"]}
         topology = _assembled(labels, _frame(document, labels.shape), doors, features, names)
-        _refuse_parts(topology)
+        refuse_others(folder, ["rooms.png"], document)
         table = document.get("annotations")
         annotations = annotations_in(table, (labels.shape[0], labels.shape[1])) if table else None
         origin = _provenance(folder, document, topology.frame) if provenance else None
@@ -121,7 +121,7 @@ def _provenance(folder: Path, document: Mapping[str, Any], frame: Frame) -> Prov
     files = tuple((str(file["name"]), str(file["sha256"])) for file in document["source"]["files"])
     settings: Mapping[str, Any] = dict(document["settings"])
     provenance = Provenance(facts_of(document["vdoor"], document["preset"], document["seed"]), settings, files)
-    provenance.run.write(0, _grid(folder / "grid.png", frame))
+    provenance.run.write(0, _grid(file_in(folder, "grid.png", document), frame))
     return provenance
 
 
@@ -202,14 +202,6 @@ def _door(table: dict[str, Any], rooms: set[int]) -> Door:
 def _features(table: dict[str, Any]) -> Iterator[Feature]:
     for corner in table["corners"]:
         yield table["id"], corner["kind"] == "convex", _point(corner["point_m"])
-
-
-def _refuse_parts(topology: TopologicalMap) -> None:
-    """Raise `VdoorError` if a room has several parts, that is, several outer rings."""
-    for room in topology.rooms:
-        outer, *holes = (signed_area_m2(ring) < 0 for ring in room.polygon_m)
-        if outer in holes:
-            raise VdoorError(f"rooms.png: wanted room {room.id} in one part, found several")
 
 
 def _radians(angle_deg: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -17,9 +17,10 @@ from PIL import Image
 
 from vdoor.emit import RunInfo
 from vdoor.errors import VdoorError
-from vdoor.files import make_folder, write_whole
+from vdoor.files import partial_name
 from vdoor.formats import read_annotations
 from vdoor.grid import OccupancyGrid, Source
+from vdoor.partial import together
 from vdoor.results.annotations import table_of
 from vdoor.topology import Door, Room, TopologicalMap
 
@@ -30,26 +31,56 @@ MOST_ROOMS = 65_535
 GREY_OCCUPIED, GREY_UNKNOWN, GREY_FREE = 0, 205, 254
 
 
-def write_result(folder: Path, grid: OccupancyGrid, topology: TopologicalMap, document: Mapping[str, Any]) -> None:
-    """Write the four files into `folder`, created if missing; each file appears once it is complete."""
-    contents = contents_of(folder, grid, topology, document)
-    make_folder(folder)
-    for name, content in contents:
-        write_whole(folder / name, content)
+def write_result(folder: Path, grid: OccupancyGrid, topology: TopologicalMap, document: dict[str, Any]) -> None:
+    """Write the four files into `folder`, created if missing; they get their names together."""
+    with together() as staged:
+        staged.make_folder(folder)
+        for name, content in contents_of(folder, grid, topology, document):
+            staged.add(folder / name, content)
 
 
 def contents_of(
-    folder: Path, grid: OccupancyGrid, topology: TopologicalMap, document: Mapping[str, Any]
+    folder: Path, grid: OccupancyGrid, topology: TopologicalMap, document: dict[str, Any]
 ) -> list[tuple[str, bytes]]:
-    """The four files that are to be written into `folder`, by name; map.json is the last."""
+    """The four files that are to be written into `folder`, by name, map.json first.
+
+    The document is given the checksums of the others.
+
+    Once map.json has its name, a reader takes the others under whichever name they have, so that a result is never
+    made of two, even if the process is killed while it names them.
+    """
     refuse_high_ids(folder, topology)
-    contents = (
-        png(topology.labels.astype(np.uint16)),
-        map_server_yaml(grid, "rooms.png"),
-        png(greys(grid)),
-        (json.dumps(document, indent=1, allow_nan=False) + "\n").encode(),
-    )
-    return list(zip(NAMES, contents, strict=True))
+    others = {
+        "rooms.png": png(topology.labels.astype(np.uint16)),
+        "rooms.yaml": map_server_yaml(grid, "rooms.png"),
+        "grid.png": png(greys(grid)),
+    }
+    document["files"] = {name: hashlib.sha256(content).hexdigest() for name, content in others.items()}
+    text = json.dumps(document, indent=1, allow_nan=False) + "\n"
+    return [("map.json", text.encode()), *others.items()]
+
+
+def file_in(folder: Path, name: str, document: Mapping[str, Any]) -> Path:
+    """Where a file of a result is: under its own name, or, if a run was killed as it named its files, the partial one.
+
+    If neither is the one that map.json was written with, or map.json is of a version without checksums, the former.
+    """
+    path = folder / name
+    return next((place for place in (path, partial_name(path)) if _is_own(place, name, document)), path)
+
+
+def refuse_others(folder: Path, names: Sequence[str], document: Mapping[str, Any]) -> None:
+    """Raise VdoorError if one of a result's files is not the one that map.json was written with."""
+    for name in names:
+        if not _is_own(file_in(folder, name, document), name, document):
+            raise VdoorError(f"{name}: wanted the file that map.json was written with, found another")
+
+
+def _is_own(place: Path, name: str, document: Mapping[str, Any]) -> bool:
+    """Whether a file is the one that map.json was written with; true as well if that has no checksum of it."""
+    sums = document.get("files")
+    wanted = sums.get(name) if isinstance(sums, Mapping) else None
+    return place.is_file() and wanted in (None, hashlib.sha256(place.read_bytes()).hexdigest())
 
 
 def refuse_high_ids(folder: Path, topology: TopologicalMap) -> None:
@@ -66,13 +97,16 @@ def rewritten(folder: Path, topology: TopologicalMap, edits: Sequence[str]) -> l
     """
     refuse_high_ids(folder, topology)
     document = json.loads((folder / "map.json").read_text(encoding="utf-8"))
+    labels = png(topology.labels.astype(np.uint16))
     document |= _graph(topology)
+    if "files" in document:
+        document["files"]["rooms.png"] = hashlib.sha256(labels).hexdigest()
     document["settings"]["edit"] = document["settings"].get("edit", {}) | {"edits": list(edits)}
     try:
         text = json.dumps(document, indent=1, allow_nan=False) + "\n"
     except ValueError as error:  # such as NaN, which Python reads although it is not valid JSON
         raise VdoorError(f"map.json: wanted finite numbers, found others: {folder}") from error
-    return [(folder / "rooms.png", png(topology.labels.astype(np.uint16))), (folder / "map.json", text.encode())]
+    return [(folder / "map.json", text.encode()), (folder / "rooms.png", labels)]
 
 
 def document_of(topology: TopologicalMap, info: RunInfo, timings_s: Mapping[str, float]) -> dict[str, Any]:

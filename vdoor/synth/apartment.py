@@ -10,7 +10,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import ndimage
+import scipy
 
 from vdoor.frame import Frame
 from vdoor.grid import FREE, OCCUPIED, UNKNOWN, OccupancyGrid
@@ -103,7 +103,7 @@ def _rough_walls(plan: Plan, settings: Apartment, rng: np.random.Generator) -> l
 def _hide_inside_walls(sheet: Sheet) -> None:
     """Make occupied cells unknown that lie deeper in a wall, or in furniture, than a robot's map shows."""
     reach = 2 * round(SEEN_M / FINE_M) + 1
-    near_free = ndimage.maximum_filter((sheet.cells == FREE).astype(np.uint8), size=reach) > 0
+    near_free = scipy.ndimage.maximum_filter((sheet.cells == FREE).astype(np.uint8), size=reach) > 0
     sheet.cells[(sheet.cells == OCCUPIED) & ~near_free] = UNKNOWN
 
 

@@ -9,7 +9,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import ndimage
+import scipy
 
 from vdoor.errors import SettingError
 from vdoor.synth.canvas import FINE_M, LATTICE_M, Axis, Rect, lattice_range, snap, square_to
@@ -228,14 +228,14 @@ def _passable(floor: Rect, doors: Sequence[Gap], pieces: Sequence[Piece]) -> boo
     """Whether one can walk between all doors of a room and to most of its floor."""
     shape = round(floor.sides[0] / FINE_M), round(floor.sides[1] / FINE_M)
     open_floor = np.pad(np.ones(shape, dtype=np.bool_), 1)  # x first; the border is the wall
-    empty = int((ndimage.distance_transform_edt(open_floor) * FINE_M >= ROOM_TO_PASS_M).sum())
+    empty = int((scipy.ndimage.distance_transform_edt(open_floor) * FINE_M >= ROOM_TO_PASS_M).sum())
     for piece in pieces:
         low, high = (
             tuple(1 + round((corner[k] - floor.low[k]) / FINE_M) for k in (0, 1))
             for corner in (piece.body.low, piece.body.high)
         )
         open_floor[low[0] : high[0], low[1] : high[1]] = False
-    walkable, _ = ndimage.label(ndimage.distance_transform_edt(open_floor) * FINE_M >= ROOM_TO_PASS_M)
+    walkable, _ = scipy.ndimage.label(scipy.ndimage.distance_transform_edt(open_floor) * FINE_M >= ROOM_TO_PASS_M)
     met = {int(walkable[_before(door, floor)]) for door in doors}
     reached = int((walkable == min(met)).sum()) if met else empty
     return len(met) <= 1 and 0 not in met and reached >= empty / 2

@@ -7,8 +7,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy import ndimage
 
 from vdoor.grid import FREE, OCCUPIED, UNKNOWN
 from vdoor.synth.canvas import FINE_M, Canvas, Cells, Placed, Rect, Rooms
@@ -83,7 +83,7 @@ def _between_floors(walls: Walls) -> Mask:
     """Return the cells of walls that have a floor on either side: what a closing of the floors fills."""
     floor = walls.plan.floor.rooms > 0
     size = 2 * math.ceil(walls.thickest_m / 2 / FINE_M) + 1
-    closed = ndimage.minimum_filter(ndimage.maximum_filter(floor, size), size)
+    closed = scipy.ndimage.minimum_filter(scipy.ndimage.maximum_filter(floor, size), size)
     return np.asarray(walls.placed.on_map(closed & ~floor))
 
 
@@ -91,10 +91,10 @@ def _hollowed(cells: Cells, walls: Walls, hollow: Hollow, part: Mask) -> Mask:
     """Draw walls as outlines, and return all cells of those walls."""
     rooms, cell_m = walls.placed.rooms, walls.placed.cell_m
     floor = walls.plan.floor.rooms > 0
-    band = ndimage.maximum_filter(floor, 2 * round(hollow.thick_m / FINE_M) + 1) & ~floor
-    seen = ndimage.distance_transform_edt(rooms == 0) * cell_m <= hollow.thick_m + HIDDEN_M
+    band = scipy.ndimage.maximum_filter(floor, 2 * round(hollow.thick_m / FINE_M) + 1) & ~floor
+    seen = scipy.ndimage.distance_transform_edt(rooms == 0) * cell_m <= hollow.thick_m + HIDDEN_M
     those = part & seen & walls.placed.on_map(band) & (rooms == 0)
-    inside = ndimage.binary_erosion(those, EIGHT, iterations=hollow.outline)
+    inside = scipy.ndimage.binary_erosion(those, EIGHT, iterations=hollow.outline)
     cells[those] = OCCUPIED
     cells[inside] = hollow.fill
     return np.asarray(those)
@@ -112,7 +112,7 @@ def _interrupted(cells: Cells, walls: Walls, style: Gaps, part: Mask) -> None:
 
 def _joining(gaps: Mask, rooms: Rooms) -> Mask:
     """Return those gaps which two rooms border."""
-    part, count = ndimage.label(gaps, EIGHT)
+    part, count = scipy.ndimage.label(gaps, EIGHT)
     sides = (np.s_[1:], np.s_[:-1]), (np.s_[:, 1:], np.s_[:, :-1])
     met = np.concatenate(
         [
@@ -128,12 +128,12 @@ def _joining(gaps: Mask, rooms: Rooms) -> Mask:
 def _grey_edges(cells: Cells, walls: Walls, grey: Grey, part: Mask) -> None:
     """Make edges of walls unknown where ink covers too little of a cell: there is always a core that it covers most."""
     size = round(grey.blur_cells * walls.placed.cell_m / FINE_M)
-    ink = ndimage.uniform_filter((walls.plan.canvas.rooms == 0).astype(np.float32), max(size, 2), mode="nearest")
+    ink = scipy.ndimage.uniform_filter((walls.plan.canvas.rooms == 0).astype(np.float32), max(size, 2), mode="nearest")
     covered = walls.placed.on_map(ink)
-    core = (covered >= grey.below) | (covered >= ndimage.maximum_filter(covered, size=3) - HAIR)
+    core = (covered >= grey.below) | (covered >= scipy.ndimage.maximum_filter(covered, size=3) - HAIR)
     core |= _ridge(covered) & (_beside_doors(walls) if grey.dotted else True)
     edge = part & (cells == OCCUPIED) & ~core
-    behind = ndimage.binary_dilation(edge, EIGHT) & part & (walls.placed.rooms == 0) & (cells == UNKNOWN) & core
+    behind = scipy.ndimage.binary_dilation(edge, EIGHT) & part & (walls.placed.rooms == 0) & (cells == UNKNOWN) & core
     cells[edge] = UNKNOWN
     cells[behind] = OCCUPIED
 
@@ -145,8 +145,8 @@ def _ridge(covered: NDArray[np.float32]) -> Mask:
     """
     found = np.zeros(covered.shape, np.bool_)
     for axis in (0, 1):
-        before, after = (ndimage.minimum_filter1d(covered, 3, axis, origin=side) for side in (1, -1))
-        most = ndimage.maximum_filter1d(covered, 3, axis)
+        before, after = (scipy.ndimage.minimum_filter1d(covered, 3, axis, origin=side) for side in (1, -1))
+        most = scipy.ndimage.maximum_filter1d(covered, 3, axis)
         found |= (covered >= most - HAIR) & (covered > np.maximum(before, after) + HAIR)
     return found
 

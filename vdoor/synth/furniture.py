@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from scipy import ndimage
+import scipy
 
 from vdoor.synth.canvas import Axis, Canvas, Rect, Shape, around, box, fine, square_to, turned_box
 from vdoor.synth.layout import Drawn, Gap
@@ -122,7 +122,7 @@ def keep_passable(plan: Drawn, things: Sequence[tuple[Rect, Shape]]) -> None:
         for floor, shape in things:
             if floor not in banned:
                 canvas.block(shape)
-        part, _ = ndimage.label(canvas.rooms[::2, ::2])
+        part, _ = scipy.ndimage.label(canvas.rooms[::2, ::2])
         small = Canvas(part.astype(np.int32))
         met = [_parts_before(small, door.gap) for door in opened]
         counts = np.bincount([part for parts in met for part in parts], minlength=2)

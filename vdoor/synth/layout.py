@@ -10,8 +10,8 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy import ndimage
 
 from vdoor.synth.canvas import AXES, FINE_M, HAIR_M, Axis, Canvas, Placed, Rect, fine, square_to
 from vdoor.synth.settings import Home, Office, chance
@@ -118,7 +118,7 @@ def drawn(layout: Layout) -> Drawn:
     for pieces, room in ((layout.floors, 1), (layout.solids, 0), (layout.pits, 1)):
         for rect in pieces:
             floor.paint(rect, room)
-    floor.rooms[:], _ = ndimage.label(floor.rooms)
+    floor.rooms[:], _ = scipy.ndimage.label(floor.rooms)
     # All sides are read before any gap is opened: a gap may end in the jamb of another one.
     sides = [(floor.at(gap.before(-1, FINE_M / 2)), floor.at(gap.before(1, FINE_M / 2))) for gap in layout.gaps]
     opened, shut = [], []

@@ -6,8 +6,8 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy import ndimage
 
 from vdoor.grid import FREE, OCCUPIED, UNKNOWN
 from vdoor.synth.canvas import Cells, Placed, Rooms
@@ -15,7 +15,7 @@ from vdoor.synth.settings import chance, log_uniform
 
 Mask = NDArray[np.bool_]
 EIGHT = np.ones((3, 3), np.bool_)
-FOUR = ndimage.generate_binary_structure(2, 1)
+FOUR = scipy.ndimage.generate_binary_structure(2, 1)
 
 
 def leave_corners(rooms: Rooms, keep: NDArray[np.float64], share_max: float, rng: np.random.Generator) -> Mask:
@@ -42,9 +42,9 @@ def leave_corners(rooms: Rooms, keep: NDArray[np.float64], share_max: float, rng
 def roughen(rooms: Rooms, share: float, rng: np.random.Generator) -> None:
     """Move the faces of walls by a cell, in or out as often, along `share` of their length, in runs of up to 3."""
     free = rooms > 0
-    inner = free & ~ndimage.binary_erosion(free, FOUR)
+    inner = free & ~scipy.ndimage.binary_erosion(free, FOUR)
     rooms[_runs(inner, share / 2, rng)] = 0
-    dents = _runs(ndimage.binary_dilation(free, FOUR) & ~free, share / 2, rng)
+    dents = _runs(scipy.ndimage.binary_dilation(free, FOUR) & ~free, share / 2, rng)
     rows, cols = np.nonzero(dents)
     inside = (rows > 0) & (cols > 0) & (rows < rooms.shape[0] - 1) & (cols < rooms.shape[1] - 1)
     for row, col in zip(rows[inside].tolist(), cols[inside].tolist(), strict=True):
@@ -58,13 +58,13 @@ def _runs(faces: Mask, share: float, rng: np.random.Generator) -> Mask:
     """Return about `share` of the cells of faces, in runs."""
     seeds = faces & (rng.random(faces.shape) < share / 2.5)
     wide = seeds & (rng.random(faces.shape) < 0.75)  # noqa: PLR2004  # three in four runs are of three cells
-    return seeds | (ndimage.binary_dilation(wide, EIGHT) & faces)
+    return seeds | (scipy.ndimage.binary_dilation(wide, EIGHT) & faces)
 
 
 def outlined(rooms: Rooms, unseen: Mask, depth: int = 1) -> Cells:
     """Return cells (h, w): free, occupied as deep behind a face as the robot shows it, all else unknown."""
     free = rooms > 0
-    near = ndimage.binary_dilation(free, EIGHT, iterations=depth)
+    near = scipy.ndimage.binary_dilation(free, EIGHT, iterations=depth)
     return np.where(free, FREE, np.where(near & ~unseen, OCCUPIED, UNKNOWN)).astype(np.int8)
 
 
@@ -113,7 +113,7 @@ def cast(rooms: Rooms, cells: Cells, view: Fan, rng: np.random.Generator) -> Non
     row, col = np.clip(row, 2, rooms.shape[0] - 3), np.clip(col, 2, rooms.shape[1] - 3)
     low, high = (row.min(), col.min()), (row.max() + 1, col.max() + 1)
     around = np.s_[max(low[0] - 3, 0) : high[0] + 3, max(low[1] - 3, 0) : high[1] + 3]
-    others = ndimage.binary_dilation((rooms[around] > 0) & (rooms[around] != room), EIGHT, iterations=2)
+    others = scipy.ndimage.binary_dilation((rooms[around] > 0) & (rooms[around] != room), EIGHT, iterations=2)
     blocked = others[row - around[0].start, col - around[1].start] | (steps >= ends[:, np.newaxis])
     seen = ~np.logical_or.accumulate(blocked, axis=1)
     last = seen.sum(axis=1) - 1
@@ -164,7 +164,7 @@ def cast_through_window(placed: Placed, cells: Cells, reach_m: tuple[float, floa
 
 def draw_pockets(rooms: Rooms, cells: Cells, cell_m: float, rng: np.random.Generator) -> None:
     """Make broken lines unknown, one cell wide, along two or three sides of a box within a room: a rug, a table."""
-    inside = np.argwhere(ndimage.binary_erosion(rooms > 0, EIGHT, iterations=4))
+    inside = np.argwhere(scipy.ndimage.binary_erosion(rooms > 0, EIGHT, iterations=4))
     if not len(inside):
         return
     top, left = inside[rng.integers(len(inside))].tolist()

@@ -11,14 +11,15 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import scipy
 import yaml
 from numpy.typing import NDArray
 from PIL import Image
-from scipy import ndimage
 
-from vdoor.files import make_folder, write_whole
+from vdoor.files import make_folder
 from vdoor.frame import Frame
 from vdoor.grid import UNKNOWN, OccupancyGrid
+from vdoor.partial import write_whole
 from vdoor.synth.canvas import Cells, Placed, Rooms
 from vdoor.synth.layout import Gap, Opened
 from vdoor.synth.settings import Apartment, Home, Office
@@ -80,7 +81,7 @@ def with_truth(cells: Cells, placed: Placed, opened: Sequence[Opened], settings:
 
 def in_reach(rooms: Rooms, free: NDArray[np.bool_]) -> Rooms:
     """Return the rooms without what is not 4-connected to most of them over free cells."""
-    part, _ = ndimage.label(free)
+    part, _ = scipy.ndimage.label(free)
     main = np.bincount(part[rooms > 0], minlength=1).argmax()
     return np.where(part == main, rooms, 0).astype(np.int32)
 

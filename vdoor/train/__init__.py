@@ -6,8 +6,8 @@ import json
 from pathlib import Path
 from typing import Any
 
-from vdoor.files import write_whole
 from vdoor.method.scoring.model import DoorModel, table_of
+from vdoor.partial import write_whole
 from vdoor.pipeline import PRESETS, Pipeline
 from vdoor.train.examples import (
     Draw,

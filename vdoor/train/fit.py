@@ -7,8 +7,8 @@ from functools import partial
 from typing import Any
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.optimize import minimize
 
 from vdoor.engines import Over
 from vdoor.errors import VdoorError
@@ -121,7 +121,9 @@ def likeliest(basis: Floats, real: Floats, weight: Floats, penalty: Floats) -> F
         value = float((weight * (np.logaddexp(0, z) - real * z)).sum()) + 0.5 * float(c @ gradient)
         return value, basis.T @ (weight * (1 / (1 + np.exp(-z)) - real)) + gradient
 
-    found = minimize(loss, np.zeros(basis.shape[1]), jac=True, method="L-BFGS-B", options={"maxiter": 400})
+    found = scipy.optimize.minimize(
+        loss, np.zeros(basis.shape[1]), jac=True, method="L-BFGS-B", options={"maxiter": 400}
+    )
     return np.asarray(found.x)
 
 

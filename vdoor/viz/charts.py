@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING
+import io
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
 
 from vdoor.experiments.sweep import Point, by_setting
 from vdoor.viz.panels import (
@@ -23,17 +25,7 @@ from vdoor.viz.rerun.style import Colour
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from matplotlib.figure import SubFigure
-import importlib.util
-import io
-from collections.abc import Iterator
-from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
-
-from vdoor.errors import VdoorError
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+    from matplotlib.figure import Figure, SubFigure
 
 PANEL_IN = (3.5, 2.4)
 """Width and height of a panel in inches."""
@@ -61,7 +53,7 @@ STYLE: dict[str, Any] = {
 
 
 def sweep_png(points: Sequence[Point]) -> bytes:
-    """The charts as a PNG; `VdoorError` without matplotlib."""
+    """The charts as a PNG."""
     sweeps = by_setting(points)
     shared = [limits(panel, sweeps.values()) if panel.alike else None for panel in PANELS]
     with drawing(PANEL_IN[0] * len(PANELS), PANEL_IN[1] * len(sweeps) + NOTE_IN) as figure:
@@ -149,18 +141,9 @@ def rgb(colour: Sequence[int]) -> tuple[float, float, float]:
     return red, green, blue
 
 
-def require_matplotlib() -> None:
-    """Raise `VdoorError` with the way to install matplotlib if it is missing."""
-    if importlib.util.find_spec("matplotlib") is None:
-        raise VdoorError(
-            "pictures: wanted matplotlib, found none; in a checkout, `pip install -e '.[plots]'` installs it"
-        )
-
-
 @contextmanager
 def drawing(width_in: float, height_in: float) -> Iterator[Figure]:
     """An empty picture; within the block the style is fixed, whatever the user's own matplotlib settings are."""
-    require_matplotlib()
     from matplotlib import style  # noqa: PLC0415
     from matplotlib.backends.backend_agg import FigureCanvasAgg  # noqa: PLC0415
     from matplotlib.figure import Figure  # noqa: PLC0415

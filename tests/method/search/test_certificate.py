@@ -17,6 +17,7 @@ from vdoor.grid import FREE
 from vdoor.method.initial_map import InitialMap
 from vdoor.method.scoring.score import DoorScores
 from vdoor.method.search import certificate as certify
+from vdoor.method.search import memetic
 from vdoor.method.search.certificate import BoundEnergy, blocks
 from vdoor.method.search.costs import DoorEnergy
 from vdoor.method.search.incremental import FlipState
@@ -133,3 +134,43 @@ def test_where_no_block_is_large_and_no_room_lacks_area_the_choice_is_proven(see
     certificate = BoundEnergy()(problem, best)
     assert certificate is not None
     assert certificate.optimal == 1
+
+
+@law
+@given(floors(), seeds)
+def test_keeping_a_door_in_vain_lowers_no_cost(cells: Cells, seed: int) -> None:
+    problem = problem_of(cells, DoorEnergy(bias=-2.0, bias_rough=-2.0, further_bias=1.0, further_bias_rough=1.0))
+    assume(0 < problem.edges <= 60)
+    removed = np.random.default_rng(seed).random(problem.edges) < 0.8
+    state = FlipState(problem, np.flatnonzero(removed).tolist())
+    flipped = removed ^ np.eye(problem.edges, dtype=np.bool_)
+    for door, cost in enumerate(problem.evaluate(flipped).cost.tolist()):
+        assert cost >= state.cost - 1e-9 or not state.is_vain(door)
+
+
+@law
+@given(floors(), st.sampled_from([0.0, 1.5, 6.0]), st.sampled_from([0.3, 2.0, 3.0]))
+def test_one_door_after_another_and_all_choices_at_once_give_one_bound(
+    cells: Cells, lack_weight: float, room_m2: float
+) -> None:
+    energy = DoorEnergy(lack_weight=lack_weight, lack_weight_rough=lack_weight, room_m2=room_m2, bias=6, bias_rough=6)
+    problem = problem_of(cells, energy)
+    assume(0 < problem.edges <= 60)
+    few = [block for block in blocks(problem) if len(block) <= 6]
+    bounds = []
+    for nodes in (0, 10**6):
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr(certify, "FEW_NODES", nodes)
+            bounds.append(certify.gain_of_few(problem, few))
+    assert bounds[0] == bounds[1]
+
+
+def test_a_search_whose_work_is_limited_ends_early_and_can_be_told_from_one_that_is_not() -> None:
+    problem, search = problem_of(parted_by_two()), MemeticSearch()
+    costs = {}
+    for most_work in (1, memetic.MOST_WORK):
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr(memetic, "MOST_WORK", most_work)
+            costs[most_work] = [one.best_cost for one in search(problem, np.random.default_rng(0))]
+    assert len(costs[1]) == 2 < len(costs[memetic.MOST_WORK])
+    assert [search.cut_short(one) for one in costs.values()] == [True, False]

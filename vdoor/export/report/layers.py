@@ -39,6 +39,7 @@ CELLS: dict[int, tuple[style.Colour, str]] = {
     BETWEEN: (style.BETWEEN, "between"),
     OCCUPIED: (style.OCCUPIED, "occupied"),
 }
+SWEPT: style.Colour = (40, 170, 130)
 OTHER: style.Colour = (160, 60, 140)
 """Colour of words without a colour of their own."""
 ANGLES_DEG = (0.0, 60.0, 90.0, 120.0, 155.0, 170.0)
@@ -137,7 +138,8 @@ def draw_doors(sheet: Sheet, doors: VirtualDoors) -> Drawn:
         colour = style.DOOR if code == PROPOSED else style.REJECTED.get(verdict, OTHER)
         layer, wide_px = (proposed, 3) if code == PROPOSED else (rejected, 1.5)
         text = f"{verdict} ({len(own)})"
-        layer.add_lines([paths[row] for row in own], colour_text(colour), text, tips=tips, wide_px=wide_px)
+        own_paths = [paths[row] for row in own]
+        layer.add_lines(own_paths, colour_text(colour), text, tips=tips, doors=own, wide_px=wide_px)
     yield proposed
     yield rejected
 
@@ -161,9 +163,10 @@ def draw_search(sheet: Sheet, initial: InitialMap, provenance: Provenance) -> La
         f"edge {edge}, virtual door {door}: {initial.width_m[edge]:.2f} m"
         for edge, door in enumerate(initial.door.tolist())
     ]
-    for path, tip, keeps in zip(sheet.segments(initial.start, initial.end, initial.frame), tips, kept, strict=True):
-        colour = style.KEPT if keeps else style.REMOVED
-        layer.shapes.append({"d": path, "tip": tip, "colour": colour_text(colour), "wide": 3 if keeps else 2})
+    paths = sheet.segments(initial.start, initial.end, initial.frame)
+    for path, tip, door, keeps in zip(paths, tips, initial.door.tolist(), kept, strict=True):
+        line = {"colour": colour_text(style.KEPT if keeps else style.REMOVED), "wide": 3 if keeps else 2}
+        layer.shapes.append(line | {"d": path, "tip": tip, "door": door})
     layer.key = [(colour_text(style.KEPT), "kept"), (colour_text(style.REMOVED), "removed")]
     layer.note = "in the generation selected below the map"
     return layer
@@ -185,8 +188,11 @@ def draw_route(sheet: Sheet, route: Route) -> Drawn:
 
 
 def draw_coverage(sheet: Sheet, found: Coverage) -> Drawn:
-    """The path by what it is for."""
+    """The path by what it is for, over the floor that it sweeps."""
     layer = Layer("coverage", view_of(Coverage).name, on=True)
+    swept = (found.swept > 0).astype(np.uint8)
+    layer.picture = sheet.picture(swept, {1: SWEPT}, found.frame) | {"above": True}
+    layer.key.append((colour_text(SWEPT), "swept floor"))
     cell = found.frame.cell_from_world(found.point_m)
     for code, purpose in enumerate(PURPOSES):
         own = np.flatnonzero(found.purpose[1:] == code)

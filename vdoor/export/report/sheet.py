@@ -9,9 +9,9 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+import skimage
 from numpy.typing import NDArray
 from PIL import Image
-from skimage.measure import block_reduce
 
 from vdoor.frame import Frame
 from vdoor.viz.rerun import style
@@ -39,15 +39,26 @@ class Layer:
     note: str = ""
 
     def add_lines(
-        self, paths: Sequence[str], colour: str, word: str, *, tips: Sequence[str] = (), wide_px: float = 1.5
+        self,
+        paths: Sequence[str],
+        colour: str,
+        word: str,
+        *,
+        tips: Sequence[str] = (),
+        doors: Sequence[int] = (),
+        wide_px: float = 1.5,
     ) -> None:
-        """Lines of one colour, each with its tip for the pointer, unless there are too many."""
+        """Lines of one colour, each with its tip for the pointer, unless there are too many.
+
+        `doors` are the numbers of the virtual doors that the lines are, if they are any.
+        """
         if not paths:
             return
         self.key.append((colour, word))
         style_of_line = {"colour": colour, "wide": wide_px}
         if tips and len(paths) <= MOST_TIPS:
-            self.shapes += [style_of_line | {"d": path, "tip": tip} for path, tip in zip(paths, tips, strict=True)]
+            lines = [style_of_line | {"d": path, "tip": tip} for path, tip in zip(paths, tips, strict=True)]
+            self.shapes += [line | {"door": door} for line, door in zip(lines, doors, strict=True)] if doors else lines
         else:
             self.shapes.append(style_of_line | {"d": "".join(paths)})
 
@@ -82,7 +93,7 @@ class Sheet:
         A large raster is reduced: each pixel shows the highest code of its block of cells.
         """
         by = -(-max(raster.shape) // LARGEST_SIDE_PX)
-        codes = block_reduce(raster, by, np.max) if by > 1 else raster  # type: ignore[no-untyped-call]  # has no types
+        codes = skimage.measure.block_reduce(raster, by, np.max) if by > 1 else raster  # type: ignore[no-untyped-call]  # has no types
         whole = np.array([[-0.5, -0.5], [codes.shape[0] * by - 0.5, codes.shape[1] * by - 0.5]])
         (left, top), (right, bottom) = self.points(whole, frame).round(6).tolist()
         place = {"x": left, "y": top, "width": right - left, "height": bottom - top}

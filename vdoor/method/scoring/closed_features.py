@@ -8,9 +8,8 @@ from __future__ import annotations
 import copy
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy import ndimage
-from scipy.spatial import cKDTree
 
 from vdoor.method.doors import VirtualDoors
 from vdoor.method.scoring.segments import Segments
@@ -42,16 +41,31 @@ def closed_features(
     cell, owner = doors.line_cell[on], number[doors.line_door[on]]
     closed = np.full(free.shape, NONE, np.int32)
     np.maximum.at(closed, (cell[:, 0], cell[:, 1]), owner)
-    # Thicken the lines: a ray could pass between cells that touch only at their corners.
-    beside = ndimage.maximum_filter(closed, footprint=ndimage.generate_binary_structure(2, 1), mode="nearest")
-    closed = np.where(closed >= 0, closed, beside)
+    thicken(closed, cell)
     own = np.full(len(rows), OPEN, np.int32)
     if len(sure):
-        away, nearest = cKDTree(door.middle[sure]).query(door.middle)
+        away, nearest = scipy.spatial.cKDTree(door.middle[sure]).query(door.middle)
         own = np.where(away * door.cell_m < OWN_M, nearest, OPEN).astype(np.int32)
     space = ClosedSpace(free, closed, own)
     found = space_beside(space, door) | clearance(distance, space, door)
     return np.stack([found[name] for name in (*BESIDE, *CLEARANCE)], axis=1)
+
+
+def thicken(closed: NDArray[np.int32], cell: NDArray[np.int32]) -> None:
+    """Give open cells beside those of closed doors (k, 2) the greatest number of these, in place.
+
+    Otherwise a ray could pass between cells that touch only at their corners.
+    """
+    own = closed[cell[:, 0], cell[:, 1]]
+    edge: list[tuple[NDArray[np.int32], ...]] = []
+    for down, right in ((0, 1), (1, 0), (0, -1), (-1, 0)):
+        row, col = cell.T + np.array([[down], [right]], np.int32)
+        inside = (row >= 0) & (col >= 0) & (row < closed.shape[0]) & (col < closed.shape[1])
+        row, col, number = row[inside], col[inside], own[inside]
+        beside = closed[row, col] == NONE
+        edge.append((row[beside], col[beside], number[beside]))
+    for row, col, number in edge:  # after all were found, so that no new cell counts as a door's own
+        np.maximum.at(closed, (row, col), number)
 
 
 class ClosedSpace(Padded):

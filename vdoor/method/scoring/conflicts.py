@@ -5,8 +5,8 @@ from __future__ import annotations
 import functools
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from vdoor.method.scoring.segments import Segments
 
@@ -27,7 +27,7 @@ def suppressed(door: Segments, log_odds: Floats, near_m: float) -> Mask:
     """Which doors (k,) have a likelier one whose middle is within `near_m` of theirs."""
     lost = np.zeros(len(log_odds), np.bool_)
     if len(log_odds):
-        pairs = cKDTree(door.middle).query_pairs(near_m / door.cell_m, output_type="ndarray")
+        pairs = scipy.spatial.cKDTree(door.middle).query_pairs(near_m / door.cell_m, output_type="ndarray")
         one, other = log_odds[pairs[:, 0]], log_odds[pairs[:, 1]]
         lost[pairs[one < other, 0]] = True
         lost[pairs[one > other, 1]] = True
@@ -39,7 +39,7 @@ def conflicts(door: Segments, among: Index, apart_m: float) -> Index:
     if not len(among):
         return np.zeros((0, 2), np.intp)
     reach = max(apart_m / door.cell_m, float(door.length[among].max()))
-    near = cKDTree(door.middle[among]).query_pairs(reach, output_type="ndarray")
+    near = scipy.spatial.cKDTree(door.middle[among]).query_pairs(reach, output_type="ndarray")
     pairs = among[np.sort(near, axis=1)].reshape(-1, 2)
     a, b = pairs.T
     away_m = np.hypot(*(door.middle[a] - door.middle[b]).T) * door.cell_m

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from vdoor.method.boundary import BoundaryPath
 from vdoor.method.corners import gaps_m
@@ -26,7 +26,7 @@ def detours(
 ) -> dict[str, Floats]:
     """The features of the detour along the wall, and of the area that the door would cut off."""
     one = corner_sample[doors.corner_start[rows]]
-    tree = cKDTree(path.half.astype(np.float64))
+    tree = scipy.spatial.cKDTree(path.half.astype(np.float64))
     _, nearest = tree.query(2 * doors.end[rows] + 1.0)
     other = np.where(doors.corner_end[rows] >= 0, corner_sample[doors.corner_end[rows]], nearest).astype(np.int32)
     same = path.contour[one] == path.contour[other]

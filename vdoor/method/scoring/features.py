@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from vdoor.grid import FREE
 from vdoor.method.boundary import BoundaryPath
@@ -111,7 +111,7 @@ def longer_than_rival(door: Segments, near_m: float = CONFLICT_M) -> Floats:
     """How much longer (k,) each door is, in metres, than the shortest of those that compete for its opening."""
     if not len(door.length):
         return np.zeros(0)
-    pairs = cKDTree(door.middle).query_pairs(near_m / door.cell_m, output_type="ndarray")
+    pairs = scipy.spatial.cKDTree(door.middle).query_pairs(near_m / door.cell_m, output_type="ndarray")
     shortest = door.length.copy()
     np.minimum.at(shortest, pairs[:, 0], door.length[pairs[:, 1]])
     np.minimum.at(shortest, pairs[:, 1], door.length[pairs[:, 0]])

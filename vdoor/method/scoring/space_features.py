@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import ndimage
 
 from vdoor.method.scoring.segments import Segments
+from vdoor.raster.morphology import EXACT_CELLS, distances, exact
 from vdoor.raster.raycast import Padded, ray_lengths
 
 Floats = NDArray[np.float64]
@@ -51,7 +51,20 @@ def space_beside(open_: Padded, door: Segments) -> dict[str, Floats]:
 
 def room_around(free: Mask) -> Padded:
     """The distance in cells of each free cell from the nearest one that is not free, or from outside the map."""
+    distance = distances(np.pad(free, 1))
+    if distance.max(initial=0) <= EXACT_CELLS:
+        return Distances(distance[1:-1, 1:-1], 0.0)
+    from scipy import ndimage  # noqa: PLC0415  # for halls over 4000 cells wide
+
     return Padded(ndimage.distance_transform_edt(np.pad(free, 1))[1:-1, 1:-1], 0.0)
+
+
+class Distances(Padded):
+    """Distances in cells, stored in 32 bits and read to the last of 64."""
+
+    def at(self, row: NDArray[np.floating], col: NDArray[np.floating]) -> NDArray[np.generic]:
+        """The distances at points, 0 outside the raster."""
+        return exact(super().at(row, col).astype(np.float32))
 
 
 def clearance(distance: Padded, open_: Padded, door: Segments) -> dict[str, Floats]:

@@ -6,7 +6,6 @@ import math
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import ndimage
 
 from vdoor.grid import FREE, OCCUPIED
 from vdoor.method.scoring.segments import Segments
@@ -36,6 +35,10 @@ FACE_SLOPE = 0.05
 """Additional tolerance per step: walls are slanted by up to 3 degrees."""
 
 
+ROWS_AT_ONCE = 128
+"""Rows of the map that are read at a time, to limit memory."""
+
+
 def in_wall(free: Mask, door: Segments) -> dict[str, Floats]:
     """How far the door's line continues inside the wall at each end, and how thick the wall is there."""
     solid = Padded(~free, True)
@@ -59,12 +62,43 @@ def in_wall(free: Mask, door: Segments) -> dict[str, Floats]:
 
 def ends_known(simplified: SimplifiedGrid, door: Segments) -> dict[str, Floats]:
     """The share of wall cells among the cells around each end that are not free; the minimum over the ends."""
-    occupied = (simplified.cells == OCCUPIED).astype(np.float64)
     window = 2 * max(1, round(JAMB_M / door.cell_m)) + 1
-    share = Padded(ndimage.uniform_filter(occupied, window, mode="constant"), 0.0)
-    solid = Padded(ndimage.uniform_filter((simplified.cells != FREE).astype(np.float64), window, mode="nearest"), 1.0)
-    ends = np.stack([share.at(*p.T) / np.maximum(solid.at(*p.T), 1e-9) for p in (door.start, door.end)])
-    return {"end_is_wall": ends.astype(np.float64).min(axis=0)}
+    ends = []
+    for point in (door.start.astype(np.int64), door.end.astype(np.int64)):
+        share = shares_at(simplified.cells == OCCUPIED, point, window, outside=0.0, edge=False)
+        solid = shares_at(simplified.cells != FREE, point, window, outside=1.0, edge=True)
+        ends.append(share / np.maximum(solid, 1e-9))
+    return {"end_is_wall": np.stack(ends).min(axis=0)}
+
+
+def shares_at(mask: Mask, point: NDArray[np.int64], window: int, *, outside: float, edge: bool) -> Floats:
+    """The share (k,) of set cells in the window around each point, `outside` for points outside the raster.
+
+    With `edge` the raster goes on as at its edge, otherwise no cell is set there. The sums are those of SciPy's uniform
+    filter to the last bit, but only of the rows with points, and a few at a time.
+    """
+    found = np.full(len(point), outside)
+    inside = ((point >= 0) & (point < mask.shape)).all(axis=1)
+    steps = np.arange(-(window // 2), window // 2 + 1)
+    rows = np.unique(point[inside, 0])
+    for some in np.split(rows, np.arange(ROWS_AT_ONCE, len(rows), ROWS_AT_ONCE)):
+        near = some[:, None] + steps
+        cells = mask[np.clip(near, 0, len(mask) - 1)]
+        if not edge:
+            cells &= ((near >= 0) & (near < len(mask)))[..., None]
+        share = _running_means(cells.sum(axis=1) / window, window, edge=edge)
+        at = np.flatnonzero(inside & np.isin(point[:, 0], some))
+        found[at] = share[np.searchsorted(some, point[at, 0]), point[at, 1]]
+    return found
+
+
+def _running_means(value: Floats, window: int, *, edge: bool) -> Floats:
+    """The mean of the values (n, w) around each, along rows, as a running sum."""
+    side = window // 2
+    padded = np.pad(value, ((0, 0), (side, side)), mode="edge" if edge else "constant")
+    first = np.add.accumulate(padded[:, :window], axis=1)[:, -1:]
+    changes = padded[:, window:] - padded[:, :-window]
+    return np.asarray(np.add.accumulate(np.concatenate([first, changes], axis=1), axis=1) / window)
 
 
 def wall_runs(free: Mask, door: Segments) -> dict[str, Floats]:

@@ -7,11 +7,12 @@ from dataclasses import dataclass
 from typing import Annotated, ClassVar, cast
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
 
 from vdoor.config import Within
 from vdoor.method.search.generation import Generation
+from vdoor.method.search.incremental import FlipState
 from vdoor.method.search.problem import MergeProblem
 from vdoor.raster.components import components
 from vdoor.record import Record, Spec
@@ -21,6 +22,9 @@ Index = NDArray[np.intp]
 EPSILON = 1e-6
 MOST_NODES = 1_000_000
 """Limit for enumerating all choices of a block: the number of choices times the number of nodes."""
+
+FEW_NODES = 256
+"""In problems of so many nodes, evaluating choices as arrays is faster than going from one to the next."""
 
 
 class Certificate(Record):
@@ -80,13 +84,55 @@ def gain_of_few(problem: MergeProblem, blocks: Iterable[Index]) -> float:
 
     The area that rooms lack counts: with doors of other blocks kept as well, rooms are only smaller and lack more.
     """
-    total = 0.0
+    total, state = 0.0, None
     for block in blocks:
-        removed = np.ones((2 ** len(block), problem.edges), np.bool_)
-        removed[:, block] = np.arange(len(removed))[::-1, None] >> np.arange(len(block)) & 1
-        cost = problem.evaluate(removed).cost
-        total += float(cost[0] - cost.min())  # the first choice keeps no door
+        if not (problem.most_gain[block] > 0).any():
+            continue
+        if len(problem.cells) <= FEW_NODES:
+            removed = np.ones((2 ** len(block), problem.edges), np.bool_)
+            removed[:, block] = np.arange(len(removed))[::-1, None] >> np.arange(len(block)) & 1
+            cost = problem.evaluate(removed).cost
+            total += float(cost[0] - cost.min())  # the first choice keeps no door
+        else:
+            state = state or FlipState(problem, range(problem.edges))
+            total += gain_by_flips(state, block.tolist())
     return total
+
+
+def gain_by_flips(state: FlipState, block: list[int]) -> float:
+    """The largest saving over all choices of a block's doors, with all doors removed before and after.
+
+    Choices follow each other in the order of a Gray code, one flip from the last, which looks at the rooms around.
+    """
+    if len(block) == 1:
+        return gain_of_bridge(state, block[0])
+    nothing = lowest = state.cost
+    for number in range(1, 2 ** len(block)):
+        state.try_flip(block[(number & -number).bit_length() - 1], np.inf)
+        lowest = min(lowest, state.cost)
+    state.try_flip(block[-1], np.inf)  # the only one that is kept at the end
+    return nothing - lowest
+
+
+def gain_of_bridge(state: FlipState, edge: int) -> float:
+    """The saving from keeping the only door of a block, if all doors are removed.
+
+    No way leads around it, so that each region beside it is in a part of its own. How large these parts are only
+    matters below the room threshold.
+    """
+    books, threshold = state.books, state.problem.threshold_cells
+    parts = [books.cells_behind(edge, region, threshold) for region in books.near.regions_of[edge]]
+    whole = books.rooms[books.room_of[books.near.regions_of[edge][0]]].cells
+    sums = books.sums
+    kept = sums._replace(
+        lacking_cells=sums.lacking_cells
+        + sum(max(threshold - cells, 0) for cells in parts)
+        - max(threshold - whole, 0),
+        separating=sums.separating + 1,
+        pairs=sums.pairs + 1,
+        log_odds=sums.log_odds + books.log_odds[edge],
+    )
+    return state.cost - min(state.cost, state.cost_of(kept))
 
 
 def gain_of_many(problem: MergeProblem, doors: Index, most_nodes: int) -> float:
@@ -106,7 +152,7 @@ def gain_of_many(problem: MergeProblem, doors: Index, most_nodes: int) -> float:
     if not pairs.shape[1]:
         return float(gain.sum())
     row = np.tile(np.arange(pairs.shape[1]), 2)
-    matrix = coo_array((np.ones(len(row)), (row, pairs.ravel())), shape=(pairs.shape[1], problem.edges))
+    matrix = scipy.sparse.coo_array((np.ones(len(row)), (row, pairs.ravel())), shape=(pairs.shape[1], problem.edges))
     for whole in (1, 0):
         solved = milp(
             -gain,
@@ -151,7 +197,7 @@ def _touching(problem: MergeProblem) -> Index:
     count = np.diff(np.append(problem.cover_start, len(problem.cover_edge)))
     node = problem.regions + np.repeat(np.arange(len(count)), count)
     size = problem.edges, len(problem.cells)
-    covers = coo_array((np.ones(len(node)), (problem.cover_edge, node)), shape=size).tocsr()
-    links = coo_array((np.ones(len(problem.links[0])), problem.links), shape=(size[1], size[1])).tocsr()
+    covers = scipy.sparse.coo_array((np.ones(len(node)), (problem.cover_edge, node)), shape=size).tocsr()
+    links = scipy.sparse.coo_array((np.ones(len(problem.links[0])), problem.links), shape=(size[1], size[1])).tocsr()
     beside = covers @ (links + links.T)
     return np.stack((covers @ covers.T + beside @ covers.T).nonzero())

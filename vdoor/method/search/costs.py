@@ -43,6 +43,9 @@ class Cost(Protocol):
     def terms(self, totals: Totals) -> tuple[Term, ...]:
         """The terms whose sum is the cost of one choice."""
 
+    def value(self, totals: Totals) -> float:
+        """The cost of one choice."""
+
     def __call__(self, totals: Totals, sqrt: Callable[[Any], Any]) -> Costs:
         """The cost and the terms of eq. 7, from sums over rooms and doors, of one choice or arrays of them."""
 
@@ -89,6 +92,10 @@ class MapCost:
             Term("DegSD", self.tilt_weight_per_deg, found.tilt_sd_deg, "deg"),
         )
 
+    def value(self, totals: Totals) -> float:
+        """The cost of one choice by eq. 7."""
+        return float(self(totals, sqrt=math.sqrt).cost)
+
     def __call__(self, totals: Totals, sqrt: Callable[[Any], Any]) -> Costs:
         """The cost by eq. 7, and its three terms."""
         mean_square = (totals.area_squared_m4 - 2 * self.room_m2 * totals.area_m2) / totals.rooms + self.room_m2**2
@@ -112,13 +119,15 @@ class DoorEnergy:
 
     room_m2: Annotated[float, Within(0, 1e6)] = 2.0
     """Room threshold T."""
+    room_m2_rough: Annotated[float, Within(0, 1e6)] = 1.6
+    """`room_m2` for rough maps: robots map homes, which have smaller rooms than offices."""
     lack_weight: Annotated[float, Within(0, 1e6)] = 1.5
     """Cost, in log-odds, of a room of zero area; falls linearly to 0 at the threshold."""
     lack_weight_rough: Annotated[float, Within(0, 1e6)] = 8.0
     """`lack_weight` for rough maps, on which furniture creates false rooms."""
     bias: Annotated[float, Within(-100, 100)] = 0.4
     """Added to the log-odds of each door: higher values keep more doors."""
-    bias_rough: Annotated[float, Within(-100, 100)] = 0.3
+    bias_rough: Annotated[float, Within(-100, 100)] = 0.2
     """`bias` for rough maps."""
     further_bias: Annotated[float, Within(0, 100)] = 0.0
     """Added for each further door between the same two rooms, as the first is already evidence that they are two. One
@@ -139,7 +148,7 @@ class DoorEnergy:
     def on_map(self, share_rough: float) -> DoorEnergy:
         """The energy with each weight interpolated between those of clean and rough maps."""
         weights = {}
-        for name in ("lack_weight", "bias", "further_bias"):
+        for name in ("room_m2", "lack_weight", "bias", "further_bias"):
             clean, rough = getattr(self, name), getattr(self, f"{name}_rough")
             weights[name] = weights[f"{name}_rough"] = clean * (1 - share_rough) + rough * share_rough
         return replace(self, **weights)
@@ -162,16 +171,21 @@ class DoorEnergy:
             Term("further doors", -self.further_bias, int(totals.separating - totals.pairs)),
         )
 
+    def value(self, totals: Totals) -> float:
+        """The energy of one choice."""
+        return float(self._energy(totals))
+
     def __call__(self, totals: Totals, sqrt: Callable[[Any], Any]) -> Costs:
         """The energy, and the terms of eq. 7 for comparison, from sums over rooms and doors."""
-        terms = MapCost(room_m2=self.room_m2)(totals, sqrt)
-        energy = (
+        return MapCost(room_m2=self.room_m2)(totals, sqrt)._replace(cost=self._energy(totals))
+
+    def _energy(self, totals: Totals) -> Number:
+        return (
             self.lack_weight * totals.lacking_m2 / max(self.room_m2, EPSILON)
             + self.clash_weight * totals.conflicts
             - (totals.log_odds + self.bias * totals.separating)
             - self.further_bias * (totals.separating - totals.pairs)
         )
-        return terms._replace(cost=energy)
 
 
 class Totals(NamedTuple):

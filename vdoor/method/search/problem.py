@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import itertools
+from functools import cached_property
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.sparse import csr_array
-from scipy.sparse.csgraph import connected_components
 
 from vdoor.method.initial_map import InitialMap
 from vdoor.method.scoring.score import DoorScores
+from vdoor.method.search.adjacency import Adjacency, both_ways, grouped
 from vdoor.method.search.costs import Cost, Costs, Term, Totals
 from vdoor.raster.components import components
 
@@ -59,10 +60,26 @@ class MergeProblem:
         self.worst_first = np.lexsort(worst)[::-1] if scores is None else np.argsort(self.log_odds, kind="stable")
         """The order (edges,) in which doors that separate nothing are dropped."""
         self.is_region = np.arange(count) < self.regions
-        self.small_cells = cost.room_m2 / self.cell_m2
+        self.small_cells = self.cost.room_m2 / self.cell_m2
         self.threshold_cells = round(self.small_cells)
         """The room threshold in whole cells, so that the area that rooms lack is summed exactly."""
         self.at_once = max(1, MOST_AT_ONCE // (count + len(self.links[0]) + len(self.cover_edge) + 1))
+
+    @cached_property
+    def adjacency(self) -> Adjacency:
+        """What lies beside each node and edge."""
+        nodes, count = len(self.cells), np.diff(np.append(self.cover_start, len(self.cover_edge)))
+        covers = np.stack([self.cover_edge, self.regions + np.repeat(np.arange(len(count)), count)])
+        border = np.stack([self.border_edge, self.border_region])
+        border = border if self.cost.counts_separating else border[:, :0]
+        return Adjacency(
+            neighbours=grouped(both_ways(np.stack(self.links)), nodes),
+            nodes_of=grouped(covers, self.edges),
+            covers=covers,
+            regions_of=grouped(border, self.edges),
+            edges_of=grouped(border[::-1], nodes),
+            conflicts=grouped(both_ways(self.conflicts), self.edges),
+        )
 
     def open_nodes(self, removed: Bits) -> Bits:
         """Which nodes (p, nodes) are open in each choice (p, edges): regions, and bundles with all doors removed."""
@@ -82,8 +99,10 @@ class MergeProblem:
         # links are sorted by a, so the entries are already in the order of a CSR matrix
         per_row = np.bincount(choice * count + a[link], minlength=choices * count)
         begin = np.append(0, np.cumsum(per_row))
-        graph = csr_array((np.ones(len(link), np.int8), choice * count + b[link], begin), shape=(choices * count,) * 2)
-        _, room = connected_components(graph, directed=False)
+        graph = scipy.sparse.csr_array(
+            (np.ones(len(link), np.int8), choice * count + b[link], begin), shape=(choices * count,) * 2
+        )
+        _, room = scipy.sparse.csgraph.connected_components(graph, directed=False)
         return room.reshape(choices, count).astype(np.intp, copy=False), is_open
 
     def separating(self, removed: Bits, room: NDArray[np.intp]) -> tuple[Bits, Ints]:

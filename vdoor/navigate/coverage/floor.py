@@ -10,22 +10,25 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 import shapely
 import shapely.affinity
 from numpy.typing import NDArray
-from scipy import ndimage
 
-from vdoor.navigate.space import Space
+from vdoor.navigate.coverage.path import norms
+from vdoor.navigate.space import Space, grown
 from vdoor.raster.polygons import polygons
 
 Mask = NDArray[np.bool_]
 Ints = NDArray[np.int32]
 Floats = NDArray[np.float64]
 
-ARC = 8
+ARC = 16
 """Straight pieces in a quarter of a circle around a corner."""
-MOST_SLACK = 0.25
-"""Largest distance by which the floor is made smaller so that its boundary has fewer vertices, in cells."""
+SLACK_M = 0.002
+"""By how much the boundary of the floor may lie further inside, so that it has fewer vertices."""
+SHALLOW = 0.1
+"""Corners into which the robot comes no deeper are filled, in cells: those between the steps of a slanted wall."""
 NEAR = 2.0
 """A place is moved so far onto a larger part of the floor, in cells."""
 SNAP = 1e-3
@@ -41,18 +44,19 @@ class Part:
 
 
 def floor_of(space: Space, centres: Mask) -> shapely.MultiPolygon:
-    """Where the robot's centre may be, around the allowed cells `centres` (h, w): every point keeps the clearance.
-
-    The boundary lies up to `slack` further inside than it could, still outside the centres of allowed cells, which
-    leaves room for simpler lines.
-    """
-    radius = space.radius_m / space.frame.resolution_m
-    slack = _slack(radius)
-    within = math.cos(math.pi / (4 * ARC))  # how near the chords of an arc come to its centre
-    free = shapely.union_all(outlines(_around(space, centres, radius)))
-    inside = free.buffer(-(radius + slack / 2) / within, quad_segs=ARC).simplify(slack / 2)
+    """Where the robot's centre may be, around the allowed cells `centres` (h, w): every point keeps the clearance."""
+    radius, slack = (length_m / space.frame.resolution_m for length_m in (space.radius_m, SLACK_M))
+    free = grown(centres, radius + 2) & ~space.blocked
+    outer = shapely.union_all([_filled(part, radius) for part in outlines(free)])
+    inside = outer.buffer(-radius - inset_of(space), quad_segs=ARC).simplify(slack / 2)
     kept = [part for part in parts_of(inside) if _holds_any(part, centres)]
     return shapely.MultiPolygon(kept)
+
+
+def inset_of(space: Space) -> float:
+    """How much farther from everything than the radius the boundary of a floor is on average, in cells."""
+    within = math.cos(math.pi / (4 * ARC))  # how near the chords of an arc come to its centre
+    return ((space.radius_m + SLACK_M / 2) / within - space.radius_m) / space.frame.resolution_m
 
 
 def nearest_on(floor: shapely.MultiPolygon, point: Floats) -> Floats:
@@ -69,16 +73,21 @@ def nearest_on(floor: shapely.MultiPolygon, point: Floats) -> Floats:
     return point if inside else shapely.get_coordinates(shapely.shortest_line(part, shapely.Point(point)))[0]
 
 
-def _slack(radius: float) -> float:
-    """How far the nearest allowed centres are beyond the clearance, along a straight wall, less a margin."""
-    nearest = math.ceil(radius - 0.5) + 0.5
-    return min(0.8 * (nearest - radius), MOST_SLACK)
+def _filled(free: shapely.Polygon, radius: float) -> shapely.Polygon:
+    """Free cells without the shallow corners that a robot of a radius touches on both sides but hardly enters."""
+    shell, *holes = (_without_corners(shapely.get_coordinates(ring)[:-1], radius) for ring in shapely.get_rings(free))
+    return shapely.Polygon(shell, holes)
 
 
-def _around(space: Space, centres: Mask, radius: float) -> Mask:
-    """The free cells that matter to the floor around `centres`: those of their parts, and all within the radius."""
-    near: Mask = ndimage.distance_transform_edt(~centres) <= radius + 2
-    return near & ~space.blocked
+def _without_corners(vertex: Floats, radius: float) -> Floats:
+    """A ring (k, 2) with free cells to one side, without shallow corners, of two in a row without the first."""
+    before, after = np.roll(vertex, 1, axis=0), np.roll(vertex, -1, axis=0)
+    one, other = vertex - before, after - vertex
+    hollow = one[:, 0] * other[:, 1] < one[:, 1] * other[:, 0]
+    half = norms(after - before) / 2
+    depth = radius - np.sqrt(np.maximum(radius**2 - half**2, 0))
+    shallow = hollow & (depth <= SHALLOW)
+    return vertex[~(shallow & ~np.roll(shallow, 1))]
 
 
 def _holds_any(part: shapely.Polygon, centres: Mask) -> bool:
@@ -93,7 +102,7 @@ def _holds_any(part: shapely.Polygon, centres: Mask) -> bool:
 
 def outlines(cells: Mask) -> list[shapely.Polygon]:
     """The outlines of the connected parts of `cells` (h, w), along cell edges."""
-    label, count = ndimage.label(cells)
+    label, count = scipy.ndimage.label(cells)
     if not count:
         return []
     vertex, owner, ring = polygons(label.astype(np.int32))
@@ -107,7 +116,7 @@ def _spans(first: NDArray[np.intp], count: int) -> list[tuple[int, int]]:
     return list(zip(first.tolist(), [*first[1:].tolist(), count], strict=True))
 
 
-def grown(shape: shapely.Polygon | shapely.MultiPolygon, distance: float) -> shapely.Geometry:
+def enlarged(shape: shapely.Polygon | shapely.MultiPolygon, distance: float) -> shapely.Geometry:
     """A shape grown by a distance, with its corners, ready to be asked often."""
     larger = shape.buffer(distance, join_style="mitre")
     shapely.prepare(larger)
@@ -122,7 +131,7 @@ def parts_of(shape: shapely.Geometry) -> list[shapely.Polygon]:
 def room_parts(floor: shapely.MultiPolygon, labels: Ints) -> list[Part]:
     """The connected parts of each room's floor, by room; `labels` (h, w) as in the topological map."""
     found = []
-    for room, box in enumerate(ndimage.find_objects(labels), start=1):
+    for room, box in enumerate(scipy.ndimage.find_objects(labels), start=1):
         if box is None:
             continue
         corner = np.array([box[0].start, box[1].start], np.float64)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vdoor.navigate.coverage.path import Path, norms
-from vdoor.navigate.coverage.sweep import Swept, consecutive
+from vdoor.navigate.coverage.sweep import Swept, Tool, consecutive
 from vdoor.navigate.sight import least_clearance
 from vdoor.navigate.space import Space
 
@@ -58,26 +58,28 @@ class Motion:
         return np.concatenate([[0.0], np.cumsum(turning[: len(lengths_m)] + lengths_m / self.speed_m_s)])
 
 
-def measured(path: Path, swept: Swept, wanted: Mask, labels: Labels, space: Space, *, tool_m: float) -> Measures:
-    """The figures of a path that sweeps the cells `swept`; `wanted` are those to be swept, `labels` their rooms."""
+def measured(path: Path, tool: Tool, wanted: Mask, labels: Labels, space: Space) -> Measures:
+    """The figures of a path for a tool; `wanted` are the cells of its raster to be swept, `labels` the map's rooms."""
     resolution_m = space.frame.resolution_m
+    width = 2 * tool.reach
+    swept = tool.swept(path.point[:-1], path.point[1:])
     times = np.bincount(swept.cell, minlength=wanted.size)
     own = wanted & (times.reshape(wanted.shape) > 0)
-    area_m2 = np.count_nonzero(own) * resolution_m**2
+    area_m2 = np.count_nonzero(own) * (resolution_m / tool.fine) ** 2
     length_m = path.length * resolution_m
     bends_rad = path.bends_rad()
     turns = int(np.count_nonzero(bends_rad > TURN_RAD))
-    again = _again(path, swept, wanted.size, tool_m / resolution_m)
+    again = _again(path, swept, wanted.size, width)
     return Measures(
         covered=_share(np.count_nonzero(own), np.count_nonzero(wanted)),
         length_m=length_m,
-        excess=_share(length_m * tool_m, area_m2),
+        excess=_share(length_m * width * resolution_m, area_m2),
         swept_twice=_share(np.count_nonzero(again & own.reshape(-1)), np.count_nonzero(own)),
         turns=turns,
         turns_per_m2=_share(turns, area_m2),
         rotation_rad=float(bends_rad.sum()),
         clearance_m=least_clearance(space, path.point),
-        room_changes=len(rooms_passed(path, labels, tool_m / resolution_m)) - 1,
+        room_changes=len(rooms_passed(path, labels, width)) - 1,
     )
 
 

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
+import scipy
 import shapely
 from numpy.typing import NDArray
-from scipy import ndimage
 
 from vdoor.navigate.coverage.path import norms
 
@@ -25,8 +25,6 @@ GAP = 1.5
 """Lanes are interrupted where so many widths of the tool along them are swept already."""
 SHORTENED = 0.4
 """How much a lane is shorter than what it has to sweep, at each end, in widths of the tool."""
-LEAST_CELLS = 4
-"""Fewer uncovered cells in one place get no lane."""
 ON_BOUNDARY = 1e-6
 """Rounding errors of points on a boundary, in cells."""
 SAME_DIRECTION_RAD = math.radians(2)
@@ -60,17 +58,39 @@ def _cut(point: Floats, width: float) -> list[Floats]:
     return [point[a : b + 1] for a, b in pairwise(at.tolist())]
 
 
-def lanes(uncovered: Mask, part: shapely.Polygon, width: float) -> list[Piece]:
-    """Lanes that sweep the uncovered cells (h, w) of a part, for each connected patch in the cheapest direction."""
-    patch, count = ndimage.label(uncovered, np.ones((3, 3)))
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Rest:
+    """What passes along walls leave uncovered, on a raster."""
+
+    uncovered: Mask
+    """Cells to be swept (h, w)."""
+    thresholds: Mask
+    """Cells where rooms touch (h, w)."""
+    at: Floats
+    """Row, col on the map of each uncovered cell (n, 2)."""
+    side: float
+    """Of a cell of the raster, in cells of the map."""
+    least_area: float
+    """A smaller patch gets no lane, nor does a stretch of a lane over less, in squares of the tool's width."""
+
+
+def lanes(rest: Rest, part: shapely.Polygon, width: float) -> list[Piece]:
+    """Lanes that sweep the uncovered cells of a part, for each connected patch in the cheapest direction.
+
+    A patch at a threshold is swept however small, since it goes on in the next room.
+    """
+    uncovered, side = rest.uncovered, rest.side
+    least = rest.least_area * (width / side) ** 2
+    patch, count = scipy.ndimage.label(uncovered, np.ones((3, 3)))
     own = patch[uncovered]
-    cell = np.argwhere(uncovered)[np.argsort(own, kind="stable")].astype(np.float64)
+    cell = rest.at[np.argsort(own, kind="stable")]
     ends = np.cumsum(np.bincount(own, minlength=count + 1))
+    at_door = np.bincount(patch[uncovered & rest.thresholds], minlength=count + 1)[1:] > 0
     turned = _directions_rad(part, width)
     found = []
-    for first, last in pairwise(ends.tolist()):
-        if last - first >= LEAST_CELLS:
-            tried = [_lanes(cell[first:last], rad, width) for rad in turned]
+    for (first, last), sure in zip(pairwise(ends.tolist()), at_door.tolist(), strict=True):
+        if sure or last - first >= least:
+            tried = [_lanes(cell[first:last], rest, rad, width) for rad in turned]
             found += list(tried[int(np.argmin([_cost(lines, width) for lines in tried]))])
     inside = (shapely.intersection(shapely.LineString(line), part) for line in found)
     return [Piece("lane", _ends(lane)) for line in inside for lane in shapely.get_parts(line) if not lane.is_empty]
@@ -91,16 +111,18 @@ def _directions_rad(part: shapely.Polygon, width: float) -> list[float]:
 
 
 def _cost(lines: Floats, width: float) -> float:
-    return float(norms(lines[:, 1] - lines[:, 0]).sum() + LANE_COST * width * len(lines))
+    """The length of lanes and what is between them; after an odd number the robot has to come back."""
+    length = norms(lines[:, 1] - lines[:, 0])
+    return float(length.sum() + LANE_COST * width * len(lines) + len(lines) % 2 * length.sum() / max(len(lines), 1))
 
 
-def _lanes(cell: Floats, direction_rad: float, width: float) -> Floats:
+def _lanes(cell: Floats, rest: Rest, direction_rad: float, width: float) -> Floats:
     """Lanes (k, 2, 2) in one direction, as far apart as the tool is wide or closer, over the cells of one patch."""
     axes = np.array(
         [[math.cos(direction_rad), math.sin(direction_rad)], [-math.sin(direction_rad), math.cos(direction_rad)]]
     )
     along, across = axes @ cell.T
-    low, high = across.min() - 0.5, across.max() + 0.5
+    low, high = across.min() - rest.side / 2, across.max() + rest.side / 2
     count = max(1, math.ceil((high - low) / width - 1e-6))
     apart = (high - low) / count
     lane = np.minimum(((across - low) / apart).astype(np.intp), count - 1)
@@ -108,7 +130,7 @@ def _lanes(cell: Floats, direction_rad: float, width: float) -> Floats:
     along, lane = along[order], lane[order]
     ends = np.flatnonzero((np.diff(lane) != 0) | (np.diff(along) > GAP * width))
     first, last = np.concatenate([[0], ends + 1]), np.concatenate([ends, [len(lane) - 1]])
-    enough = (last - first + 1 >= LEAST_CELLS) | (len(first) == 1)
+    enough = ((last - first + 1) * rest.side**2 >= rest.least_area * width**2) | (len(first) == 1)
     first, last = first[enough], last[enough]
     shorter = np.minimum(SHORTENED * width, (along[last] - along[first]) / 2)
     middle = low + (lane[first] + 0.5) * apart

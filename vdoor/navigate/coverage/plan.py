@@ -2,27 +2,37 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+import scipy
 import shapely
 from numpy.typing import NDArray
 
-from vdoor.navigate.coverage.floor import Part, floor_of, nearest_on, room_parts
+from vdoor.navigate.coverage.floor import Part, floor_of, inset_of, nearest_on, room_parts
 from vdoor.navigate.coverage.net import Net
 from vdoor.navigate.coverage.path import Path
-from vdoor.navigate.coverage.pieces import Piece, lanes, wall_passes
+from vdoor.navigate.coverage.pieces import Piece, Rest, lanes, wall_passes
 from vdoor.navigate.coverage.polish import Polish
-from vdoor.navigate.coverage.sweep import Swept, Tool
+from vdoor.navigate.coverage.sweep import Tool, finer
 from vdoor.navigate.coverage.tour import tour_of
 from vdoor.navigate.coverage.visits import Parts, Round, Visit
 from vdoor.navigate.space import Space
+from vdoor.raster.components import contacts
 
 Mask = NDArray[np.bool_]
 Ints = NDArray[np.int32]
 Floats = NDArray[np.float64]
+Box = tuple[slice, slice]
+
+LARGEST_CELL_M = 0.03
+"""It is counted on cells of at most this size what is swept; larger ones of the map are divided."""
+LEAST_AREA, LEAST_BY_LEAVE = 0.15, 7.5
+"""A smaller uncovered place gets no lane, in squares of the tool's width; less if less may stay uncovered: so many
+times that share."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -55,27 +65,40 @@ class Covered:
     room: Sequence[int]
     """The room of each visit, in order."""
     wanted: Mask
-    """The cells that the tool could sweep in the rooms (h, w)."""
-    swept: Swept
-    """What the tool sweeps along the path, segment by segment."""
+    """The cells of the tool's raster that it could sweep in the rooms (h, w)."""
+    tool: Tool
 
 
 def cover(task: Task) -> Covered:
     """A path that covers what can be reached from its start."""
     space = task.space
-    reached = space.parts == space.parts[tuple(task.start.astype(np.intp))]
-    tool = Tool(task.reach, space.blocked, task.reach > space.radius_m / space.frame.resolution_m)
-    wanted = tool.reachable(reached) & np.isin(task.labels, task.rooms)
-    site = Site(floor_of(space, reached), tool, wanted, task.labels)
+    floor = floor_of(space, space.parts == space.parts[tuple(task.start.astype(np.intp))])
+    radius = space.radius_m / space.frame.resolution_m
+    tool = Tool.on(space.blocked, _fine(space), reach=task.reach, radius=radius)
+    wanted = _reachable(tool, floor, inset_of(space)) & finer(np.isin(task.labels, task.rooms), tool.fine)
+    site = Site(floor, tool, wanted, task.labels, min(LEAST_AREA, LEAST_BY_LEAVE * task.leave))
     parts = room_parts(site.floor, task.labels)
     chosen = [number for room in task.rooms for number, part in enumerate(parts) if part.room == room]
     ends = np.stack([nearest_on(site.floor, at) for at in (task.start, task.start if task.end is None else task.end)])
     ways = Parts.of(site.floor, [part.floor for part in parts], ends)
     tour = ways.round(chosen, ends=task.end is not None, ordered=task.ordered)
-    polish = Polish(floor=site.floor, tool=tool, wanted=wanted, trade=task.trade, bend=task.bend, leave=task.leave)
+    polish = Polish(
+        floor=floor, tool=tool, wanted=wanted, kept=site.thresholds, trade=task.trade, bend=task.bend, leave=task.leave
+    )
     path = polish(_driven(site, parts, tour))
-    swept = tool.swept(path.point[:-1], path.point[1:])
-    return Covered(path, [parts[visit.part].room for visit in tour.visits], wanted, swept)
+    return Covered(path, [parts[visit.part].room for visit in tour.visits], wanted, tool)
+
+
+def _fine(space: Space) -> int:
+    """How many cells of the raster lie along a cell of the map."""
+    return max(1, math.ceil(space.frame.resolution_m / LARGEST_CELL_M))
+
+
+def _reachable(tool: Tool, floor: shapely.MultiPolygon, inset: float) -> Mask:
+    """The cells of the raster (h, w) that the tool reaches from where its centre keeps the clearance."""
+    rings = [shapely.get_coordinates(ring) for ring in shapely.get_rings(shapely.get_parts(floor))]
+    start, end = (np.concatenate([ring[own] for ring in rings]) for own in (slice(None, -1), slice(1, None)))
+    return replace(tool, reach=tool.reach + inset).reachable(start, end)
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,11 +109,23 @@ class Site:
     tool: Tool
     wanted: Mask
     labels: Ints
+    least_area: float
+    """Smaller uncovered places get no lane, in squares of the tool's width."""
 
     @cached_property
     def boundary(self) -> shapely.Geometry:
         """The lines along walls and islands."""
         return self.floor.boundary
+
+    @cached_property
+    def thresholds(self) -> Mask:
+        """The cells of the raster (h, w) where two rooms touch, with their neighbours."""
+        beside, _ = contacts(self.labels)  # the middles of sides between cells
+        found = np.zeros(self.labels.shape, np.bool_)
+        for cell in (np.floor(beside), np.ceil(beside)):
+            found[tuple(cell.astype(np.intp).T)] = True
+        near = scipy.ndimage.binary_dilation(found)
+        return finer(near, self.tool.fine)
 
     def pieces(self, part: Part) -> list[Piece]:
         """Passes along the walls of a part of a room, and lanes over what these leave uncovered."""
@@ -99,19 +134,32 @@ class Site:
         swept = np.zeros(self.wanted.size, np.bool_)
         for piece in passes:
             swept[self.tool.swept(piece.point[:-1], piece.point[1:]).cell] = True
-        box = self._box(part)
-        uncovered = self.wanted[box] & (self.labels[box] == part.room) & ~swept.reshape(self.wanted.shape)[box]
-        corner = np.array([side.start for side in box], np.float64)
-        local = shapely.transform(part.floor, lambda at: at - corner)
-        return passes + [Piece(piece.kind, piece.point + corner) for piece in lanes(uncovered, local, width)]
+        box, raster = self._box(part)
+        own = finer(self.labels[box] == part.room, self.tool.fine)
+        uncovered = self.wanted[raster] & own & ~swept.reshape(self.wanted.shape)[raster]
+        at = self.tool.on_map(np.argwhere(uncovered) + [side.start for side in raster])
+        rest = Rest(
+            uncovered=uncovered,
+            thresholds=self.thresholds[raster],
+            at=at,
+            side=1 / self.tool.fine,
+            least_area=self.least_area,
+        )
+        return passes + lanes(rest, part.floor, width)
 
-    def _box(self, part: Part) -> tuple[slice, slice]:
-        """The cells around a part that the tool can sweep from it."""
+    def _box(self, part: Part) -> tuple[Box, Box]:
+        """The cells around a part that the tool can sweep from it, of the map and of the raster."""
         low_row, low_col, high_row, high_col = part.floor.bounds
         more = self.tool.reach + 1
-        height, width = self.wanted.shape
+        height, width = self.labels.shape
         rows = slice(max(int(low_row - more), 0), min(int(high_row + more) + 1, height))
-        return rows, slice(max(int(low_col - more), 0), min(int(high_col + more) + 1, width))
+        cols = slice(max(int(low_col - more), 0), min(int(high_col + more) + 1, width))
+        fine = self.tool.fine
+        return (rows, cols), (_times(rows, fine), _times(cols, fine))
+
+
+def _times(side: slice, fine: int) -> slice:
+    return slice(side.start * fine, side.stop * fine)
 
 
 def _driven(site: Site, parts: Sequence[Part], tour: Round) -> Path:

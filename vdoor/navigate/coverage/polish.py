@@ -13,7 +13,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from vdoor.navigate.coverage.floor import SNAP, grown
+from vdoor.navigate.coverage.floor import SNAP, enlarged
 from vdoor.navigate.coverage.path import Path, bends_rad, norms
 from vdoor.navigate.coverage.sweep import Tool, consecutive
 
@@ -26,6 +26,10 @@ STEPS = (1 / 8, 1 / 4, 1 / 2, 1)
 MOST_ROUNDS = 100
 BEND_RAD = np.radians(5.0)
 """A smaller change of heading is no bend."""
+LEAST_TRADE = 1e-3
+"""At this trade a path is only made shorter where it loses nothing."""
+KEPT = 1_000_000
+"""A cell that is not given up counts as so many."""
 LONGEST_EXTENSION = 3.0
 """Two bends become one only if their outer segments meet within so many widths of the tool."""
 EPSILON = 1e-6
@@ -48,18 +52,46 @@ class Changes(NamedTuple):
         return Changes(self.first[which], self.gone[which], self.middle[which], self.straight[which])
 
 
-class Worth(NamedTuple):
-    """What changes are worth, and what that depends on."""
+class Deltas(NamedTuple):
+    """By how much changes change how often cells are swept; what stays is not listed."""
 
-    gain: Floats
-    """In cells (k,)."""
-    lost: Ints
-    """How many more wanted cells stay uncovered (k,)."""
-    spare: float
-    """How many may."""
     change: Ints
+    """Ascending (n,)."""
     cell: Ints
-    """Cells whose only sweeps a change touches, sorted by change (n,)."""
+    more: NDArray[np.int32]
+    """Negative for less often (n,)."""
+    counts: NDArray[np.int32]
+    """As how many cells each counts (n,)."""
+
+    def between(self, begin: int, end: int) -> Deltas:
+        """Some of them."""
+        return Deltas(self.change[begin:end], self.cell[begin:end], self.more[begin:end], self.counts[begin:end])
+
+    def lost(self, times: NDArray[np.int32]) -> NDArray[np.int32]:
+        """What each cell (n,) counts that is not swept any more, negative if it now is, if cells are swept so often."""
+        before = times[self.cell]
+        return self.counts * ((before > 0).astype(np.int32) - (before + self.more > 0))
+
+
+class Round(NamedTuple):
+    """Changes that are tried at once."""
+
+    changes: Changes
+    deltas: Deltas
+    saved: Floats
+    """What they save in length and bends, in cells (k,)."""
+    gain: Floats
+    """That less the cells they lose, each alone (k,)."""
+
+
+class Draft(NamedTuple):
+    """A path on its way."""
+
+    path: Path
+    times: NDArray[np.int32]
+    """How often each wanted cell of the raster is swept (h w,), changed in place."""
+    promising: Mask
+    """The points near changes that are worth it at the whole trade (k,)."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -70,6 +102,8 @@ class Polish:
     tool: Tool
     wanted: Mask
     """The cells to be swept (h, w)."""
+    kept: Mask
+    """Those that are not given up, once swept (h, w)."""
     trade: float
     """How much area may be lost for a length saved, as a share of what the tool sweeps on that length; at first less,
     see `STEPS`."""
@@ -80,41 +114,56 @@ class Polish:
 
     def __call__(self, path: Path) -> Path:
         """The path after all worthwhile changes; its ends stay."""
-        inside = grown(self.floor, SNAP)
+        inside = enlarged(self.floor, SNAP)
+        times = np.bincount(self._swept(path.point[:-1], path.point[1:])[1], minlength=self.wanted.size)
+        draft = Draft(path, times.astype(np.int32), np.ones(len(path.point), np.bool_))
         for share in STEPS:
-            path = self._polished(path, inside, share * self.trade)
-        return path
+            draft = self._polished(draft, inside, share)
+        return draft.path
 
-    def _polished(self, path: Path, inside: shapely.Geometry, trade: float) -> Path:
-        """The path after all changes that are worth it at one trade."""
-        active = np.ones(len(path.point), np.bool_)
+    def _polished(self, draft: Draft, inside: shapely.Geometry, share: float) -> Draft:
+        """The draft after all changes that are worth it at a share of the trade."""
+        active = draft.promising
         for _ in range(MOST_ROUNDS):
-            changes = self._possible(path, active, inside, trade)
+            path, times = draft.path, draft.times
+            changes, saved = self._possible(path, active, inside)
             if not len(changes.first):
                 break
-            worth = self._worth(path, changes, trade)
-            taken = _independent(worth, changes, len(path.point), self.wanted.size)
-            taken = taken[np.cumsum(np.maximum(worth.lost[taken], 0)) <= max(worth.spare, 0)]
+            deltas = self._deltas(path, changes)
+            lost = np.bincount(deltas.change, deltas.lost(times), minlength=len(saved))
+            gain = share * saved - lost
+            taken = _taken(Round(changes, deltas, share * saved, gain), times, self._spare(times))
+            promising = draft.promising & ~_touched(changes, np.arange(len(saved)), len(path.point))
+            promising |= _touched(changes, np.flatnonzero(saved - lost > EPSILON), len(path.point))
+            active = _touched(changes, np.flatnonzero(gain > EPSILON), len(path.point))
+            path, kept = _changed(path, changes.chosen(taken))
+            draft, active = Draft(path, times, promising[kept]), active[kept]
             if not len(taken):
                 break
-            active = _touched(changes, np.flatnonzero(worth.gain > EPSILON), len(path.point))
-            path, active = _changed(path, changes.chosen(taken), active)
-        return path
+        return draft
 
-    def _possible(self, path: Path, active: Mask, inside: shapely.Geometry, trade: float) -> Changes:
-        """Changes near active points that save length or bends, and stay on the floor."""
+    def _spare(self, times: NDArray[np.int32]) -> float:
+        """How many more cells may stay uncovered."""
+        wanted = np.count_nonzero(self.wanted)
+        return self.leave * wanted - (wanted - np.count_nonzero(times))
+
+    def _possible(self, path: Path, active: Mask, inside: shapely.Geometry) -> tuple[Changes, Floats]:
+        """Changes near active points that save length or bends, and stay on the floor, and what they save (k,)."""
         found = (_left_out(path.point), _joined(path.point, 2 * LONGEST_EXTENSION * self.tool.reach))
         changes = Changes(*(np.concatenate(columns) for columns in zip(*found, strict=True)))
         near = np.cumsum(np.concatenate([[0], active]))
         changes = changes.chosen(np.flatnonzero(near[changes.first + changes.gone + 1] > near[changes.first]))
-        changes = changes.chosen(np.flatnonzero(self._saved(path, changes, trade) > EPSILON))
+        saved = self._saved(path, changes)
+        better = np.flatnonzero(saved > EPSILON)
+        changes, saved = changes.chosen(better), saved[better]
         corners = np.stack(
             [path.point[changes.first], changes.middle, path.point[changes.first + changes.gone]], axis=1
         )
-        return changes.chosen(np.flatnonzero(shapely.covers(inside, shapely.linestrings(corners))))
+        stays = np.flatnonzero(shapely.covers(inside, shapely.linestrings(corners)))
+        return changes.chosen(stays), saved[stays]
 
-    def _saved(self, path: Path, changes: Changes, trade: float) -> Floats:
-        """Length and bends that changes save (k,), in cells of area."""
+    def _saved(self, path: Path, changes: Changes) -> Floats:
+        """Length and bends that changes save (k,), in cells of the raster."""
         point = path.point
         start, end = changes.first, changes.first + changes.gone
         gone = np.concatenate([[0], np.cumsum(norms(np.diff(point, axis=0)))])
@@ -128,30 +177,28 @@ class Polish:
             + (bends_rad(changes.middle, point[end], after) > BEND_RAD)
             + ~changes.straight
         )
-        return np.asarray(2 * self.tool.reach * trade * (shorter + self.bend * (bent[end + 1] - bent[start] - bends)))
+        width = 2 * self.tool.reach * self.tool.fine**2
+        return np.asarray(
+            max(self.trade, LEAST_TRADE) * width * (shorter + self.bend * (bent[end + 1] - bent[start] - bends))
+        )
 
-    def _worth(self, path: Path, changes: Changes, trade: float) -> Worth:
-        """What is saved, less the wanted cells that only the old segments sweep, plus those that are new."""
+    def _deltas(self, path: Path, changes: Changes) -> Deltas:
+        """What changes in how often the wanted cells are swept."""
         size = self.wanted.size
-        segment, cell = self._swept(path.point[:-1], path.point[1:])
-        times = np.bincount(cell, minlength=size)
-        begin = np.searchsorted(segment, np.arange(len(path.point)))
-        start, end = begin[changes.first], begin[changes.first + changes.gone]
-        change = np.repeat(np.arange(len(start)), end - start)
-        old = cell[consecutive(start, end - start)]
-        few = times[old] <= changes.gone[change]
-        change, old = change[few], old[few]
-        own, sweeps = _counted(change * size + old)
-        lost = own[times[own % size] == sweeps]
-        middle, far = changes.middle, path.point[changes.first + changes.gone]
-        halves = (self._swept(path.point[changes.first], middle), self._swept(middle, far))
-        new, _ = _counted(np.concatenate([number * size + cell for number, cell in halves]))
-        gained = new[times[new % size] == 0]
-        lost = lost[new[np.minimum(np.searchsorted(new, lost), len(new) - 1)] != lost] if len(new) else lost
-        less = np.bincount(lost // size, minlength=len(start)) - np.bincount(gained // size, minlength=len(start))
-        wanted = np.count_nonzero(self.wanted)
-        spare = self.leave * wanted - (wanted - np.count_nonzero(times))
-        return Worth(self._saved(path, changes, trade) - less, less, spare, change, old)
+        gone = consecutive(changes.first, changes.gone)
+        replaced, of = np.unique(gone, return_inverse=True)
+        segment, cell = self._swept(path.point[replaced], path.point[replaced + 1])
+        begin = np.searchsorted(segment, np.arange(len(replaced) + 1))
+        count = np.diff(begin)[of]
+        change = np.repeat(np.repeat(np.arange(len(changes.first)), changes.gone), count)
+        old = change * size + cell[consecutive(begin[of], count)]
+        bent = np.flatnonzero(~changes.straight)
+        far = path.point[changes.first + changes.gone]
+        middle = np.where(changes.straight[:, None], far, changes.middle)
+        change, cell = self._swept(path.point[changes.first], middle)
+        behind, other = self._swept(changes.middle[bent], far[bent])
+        change, cell, more = _summed(old, np.concatenate([change * size + cell, bent[behind] * size + other]), size)
+        return Deltas(change, cell, more, np.where(self.kept.reshape(-1)[cell], KEPT, 1).astype(np.int32))
 
     def _swept(self, start: Floats, end: Floats) -> tuple[Ints, Ints]:
         segment, cell = self.tool.swept(start, end)
@@ -159,11 +206,19 @@ class Polish:
         return segment[wanted], cell[wanted]
 
 
-def _counted(keys: Ints) -> tuple[Ints, Ints]:
-    """The different keys, ascending, and how often each occurs; faster than `np.unique`, as they are nearly sorted."""
-    ordered = np.sort(keys, kind="stable")
-    first = np.flatnonzero(np.concatenate([[True], ordered[1:] != ordered[:-1]])[: len(ordered)])
-    return ordered[first], np.diff(np.append(first, len(ordered)))
+def _summed(old: Ints, new: Ints, size: int) -> tuple[Ints, Ints, NDArray[np.int32]]:
+    """The changes and cells of keys that go and come, and how much more often they come than go, if not as often.
+
+    A key is a change times `size` plus a cell.
+    """
+    keys = np.concatenate([2 * old, 2 * new + 1])
+    keys.sort()
+    key = keys >> 1
+    first = np.flatnonzero(np.concatenate([[True], key[1:] != key[:-1]])[: len(key)])
+    more = np.add.reduceat(2 * (keys & 1) - 1, first) if len(first) else first
+    differs = np.flatnonzero(more)
+    change, cell = np.divmod(key[first[differs]], size)
+    return change, cell, more[differs].astype(np.int32)
 
 
 def _left_out(point: Floats) -> Changes:
@@ -187,18 +242,27 @@ def _joined(point: Floats, longest: float) -> Changes:
     return Changes(first, np.full(len(first), 3), meeting[first], np.zeros(len(first), np.bool_))
 
 
-def _independent(worth: Worth, changes: Changes, points: int, cells: int) -> Ints:
-    """The best changes that share neither segments nor cells, so that each is worth what it is worth alone."""
-    begin = np.searchsorted(worth.change, np.arange(len(worth.gain) + 1)).tolist()
-    used, touched = np.zeros(points, np.bool_), np.zeros(cells, np.bool_)
-    good = np.flatnonzero(worth.gain > EPSILON)
+def _taken(tried: Round, times: NDArray[np.int32], spare: float) -> Ints:
+    """The best changes that share no segments and lose at most `spare` cells in all; `times` becomes what it then is.
+
+    Each is looked at anew, since those before it have changed how often cells are swept.
+    """
+    changes, deltas, saved, gain = tried
+    begin = np.searchsorted(deltas.change, np.arange(len(gain) + 1)).tolist()
+    first, last = changes.first.tolist(), (changes.first + changes.gone).tolist()
+    used = np.zeros(max(last) + 1, np.bool_)
+    good = np.flatnonzero(gain > EPSILON)
     taken = []
-    for change in good[np.argsort(-worth.gain[good], kind="stable")].tolist():
-        stretch = slice(int(changes.first[change]), int(changes.first[change] + changes.gone[change]) + 1)
-        own = worth.cell[begin[change] : begin[change + 1]]
-        if not used[stretch].any() and not touched[own].any():
+    for change in good[np.argsort(-gain[good], kind="stable")].tolist():
+        stretch = slice(first[change], last[change] + 1)
+        if used[stretch].any():
+            continue
+        own = deltas.between(begin[change], begin[change + 1])
+        lost = int(own.lost(times).sum())
+        if saved[change] - lost > EPSILON and lost <= max(spare, 0):
+            times[own.cell] += own.more
+            spare -= lost
             used[stretch] = True
-            touched[own] = True
             taken.append(change)
     return np.array(taken, np.intp)
 
@@ -210,10 +274,11 @@ def _touched(changes: Changes, which: Ints, points: int) -> Mask:
     return touched
 
 
-def _changed(path: Path, changes: Changes, active: Mask) -> tuple[Path, Mask]:
-    """The path with independent changes made, and which of its points are active."""
-    point, kept = path.point.copy(), np.ones(len(path.point), np.bool_)
-    kept[consecutive(changes.first + 1, changes.gone - 1)] = False
+def _changed(path: Path, changes: Changes) -> tuple[Path, Ints]:
+    """The path with changes made that share no segments, and which of its points were there before."""
+    point, stays = path.point.copy(), np.ones(len(path.point), np.bool_)
+    stays[consecutive(changes.first + 1, changes.gone - 1)] = False
     bends = changes.first[~changes.straight] + 1
-    point[bends], kept[bends] = changes.middle[~changes.straight], True
-    return Path(point[kept], path.kind[kept], path.visit[kept]), active[kept]
+    point[bends], stays[bends] = changes.middle[~changes.straight], True
+    kept = np.flatnonzero(stays)
+    return Path(point[kept], path.kind[kept], path.visit[kept]), kept

@@ -76,6 +76,15 @@ class Moves(NamedTuple):
         closed = np.where(stays, 0, distance[before, behind] - distance[gap_start, gap_end])
         return old - new - closed
 
+    def chosen(self, rows: Ints) -> Moves:
+        """Some of them."""
+        return Moves(self.first[rows], self.last[rows], self.after[rows], self.backwards[rows])
+
+    def ends(self) -> Ints:
+        """The stops (n,) beside which something changes, not each once."""
+        first, last, after, _ = self
+        return np.concatenate([first - 1, first, last, last + 1, after, after + 1])
+
     def move(self, row: int) -> Move:
         """One of them."""
         return Move(int(self.first[row]), int(self.last[row]), int(self.after[row]), bool(self.backwards[row]))
@@ -92,12 +101,17 @@ def tour_of(distance: Floats, piece: Ints, start: int, end: int | None) -> Tour:
         return Tour(tour.enter[:-1], tour.leave[:-1], tour.piece[:-1])
     tour = _nearest_first(distance, piece, start, end)
     near = _neighbours(distance, piece, start, end)
+    active = np.ones(len(tour.piece), np.bool_)
     for _ in range(MOST_ROUNDS):
-        moves = _best_apart(_tried(tour, near), distance, tour)
-        for move in moves:
-            tour = tour.changed(move)
-        if not moves:
+        tried = _tried(tour, near[active[near].any(axis=1)])
+        saved = tried.saved(distance, tour)
+        better = tried.chosen(np.flatnonzero(saved > EPSILON))
+        if not len(better.first):
             break
+        active = np.zeros(len(tour.piece), np.bool_)
+        active[tour.piece[better.ends()]] = True
+        for move in _best_apart(better, saved[saved > EPSILON], len(tour.piece)):
+            tour = tour.changed(move)
     return tour
 
 
@@ -149,18 +163,16 @@ def _tried(tour: Tour, near: Ints) -> Moves:
     return Moves(first[possible], last[possible], after[possible], backwards[possible])
 
 
-def _best_apart(tried: Moves, distance: Floats, tour: Tour) -> list[Move]:
+def _best_apart(better: Moves, saved: Floats, stops: int) -> list[Move]:
     """The moves that save most and change different stretches of the tour, so that each saves what it saves alone."""
-    saved = tried.saved(distance, tour)
-    low = np.minimum(tried.first - 1, tried.after)
-    high = np.maximum(tried.last, tried.after) + 1
-    better = np.flatnonzero(saved > EPSILON)
-    used = np.zeros(len(tour.piece), np.bool_)
+    low = np.minimum(better.first - 1, better.after)
+    high = np.maximum(better.last, better.after) + 1
+    used = np.zeros(stops, np.bool_)
     found = []
-    for row in better[np.argsort(-saved[better], kind="stable")].tolist():
+    for row in np.argsort(-saved, kind="stable").tolist():
         if not used[low[row] : high[row] + 1].any():
             used[low[row] : high[row] + 1] = True
-            found.append(tried.move(row))
+            found.append(better.move(row))
     return found
 
 

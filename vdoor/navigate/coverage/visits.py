@@ -8,10 +8,9 @@ from itertools import combinations, pairwise
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 import shapely
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import dijkstra
 
 from vdoor.navigate.coverage.net import Net
 from vdoor.navigate.order import best_order
@@ -76,8 +75,8 @@ class Parts:
             inside[int(shapely.distance(floors, end).argmin())].append(number)
         pair = np.array([pair for own in inside for pair in combinations(own, 2)], np.intp)
         length = net.distance[pair[:, 0], pair[:, 1]]
-        graph = coo_array((length, (pair[:, 0], pair[:, 1])), shape=net.distance.shape).tocsr()
-        return cls(net, *dijkstra(graph, directed=False, return_predecessors=True), len(points))
+        graph = scipy.sparse.coo_array((length, (pair[:, 0], pair[:, 1])), shape=net.distance.shape).tocsr()
+        return cls(net, *scipy.sparse.csgraph.dijkstra(graph, directed=False, return_predecessors=True), len(points))
 
     def round(self, wanted: Sequence[int], *, ends: bool, ordered: bool = False) -> Round:
         """Visits to the parts `wanted` that can be reached, to the end if it `ends`.
@@ -111,7 +110,7 @@ class Parts:
     def _way(self, points: Sequence[int]) -> Floats:
         """The way over some points of the net."""
         ways = [self.net.way(one, other) for one, other in pairwise(points)]
-        return np.concatenate([self.net.point[points[:1]], *ways])
+        return np.concatenate([self.net.point[self.net.node[points[:1]]], *ways])
 
 
 def crossings_of(floors: Sequence[shapely.Polygon]) -> list[Crossing]:

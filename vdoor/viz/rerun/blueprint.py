@@ -9,9 +9,13 @@ from typing import Any
 import rerun.blueprint as rrb
 
 from vdoor.emit import RunInfo
-from vdoor.explain.stages import STAGE_VIEWS, StageView, view_of
+from vdoor.explain.stages import OVERVIEW, StageView, sentence_of, tabs_of, view_of
+from vdoor.method.doors import PROPOSED, VERDICTS
+from vdoor.method.scoring.score import JUDGEMENTS, LIKELY
 from vdoor.pipeline import emitted
-from vdoor.record import Record
+from vdoor.viz.marks.kinds import path_name
+from vdoor.viz.rerun.chart import view_of_chart
+from vdoor.viz.rerun.graphs import SIDE
 
 DESCRIPTION = """# vdoor: from a map to rooms and doors
 
@@ -19,38 +23,30 @@ Each tab shows one stage of the method, in order. **Drag along the timeline `ste
 the search, from generation to generation. Other timelines, selected at the bottom left, show details:
 
 - `sample`: the walk along the boundary, with the wall on the left; red and violet arrows are f and b of eq. 3 and 4.
-  The curvature plot runs along this timeline.
 - `corner`: the rows of the table of corners.
 - `generation`: the search; red lines are the doors kept by the best string.
 - `drive`: the robot on its way, by centimetres.
 
-| tab | content |
+| tab | what it shows |
 |---|---|
 {tabs}
 
-Lengths in the views are in cells; hover over an element for its numbers.
+Lengths in the views are in cells; hover over an element for its numbers. Layers that are off at first, such as
+rejected doors, are switched on in the panel at the left.
 """
 
 WORKING = "map/simplified"
-OVERVIEW = "Overview"
+ANGLES = "Angle in degrees by metres along the boundary: candidates blue (convex) and green (concave), threshold red"
+COSTS = "Cost by generation: best green, mean blue, worst grey, proven bound pink"
+TERMS = "Terms of eq. 7 by generation: small rooms green, spread of areas blue, tilt grey"
+MARGIN = 60.0
+"""Around the graph, for the labels at its edge."""
+SENTENCE_SHARE = 11.0
+"""Height of a tab's view over that of its sentence."""
 
 Settings = Mapping[str, Any]
 """Settings of a run, as nested tables."""
-
-
-def tabs_of(records: Iterable[type[Record]], settings: Settings) -> tuple[str, ...]:
-    """Tabs that a run with these records and settings has content for; without settings, with any."""
-    shown = [
-        view for view in map(view_of, in_order(records)) if not (view.needs and settings) or view.needs in settings
-    ]
-    return tuple(dict.fromkeys([OVERVIEW, *(view.tab for view in shown)]))
-
-
-def in_order(records: Iterable[type[Record]]) -> list[type[Record]]:
-    """The records in the order of the rows of `STAGE_VIEWS`; those without a row come last."""
-    given = list(records)
-    own = [view.record for view in STAGE_VIEWS if view.record in given]
-    return [*own, *(record for record in given if record not in own)]
+Content = rrb.View | rrb.Container
 
 
 def includes(settings: Settings, stage: str) -> bool:
@@ -60,10 +56,13 @@ def includes(settings: Settings, stage: str) -> bool:
 
 def description(info: RunInfo) -> str:
     """Guide to the tabs of a run, as Markdown."""
-    records = emitted(info)
-    meaning = {view.tab: view.meaning for view in map(view_of, records) if view.meaning}
-    tabs = tabs_of(records, info.settings)
-    return DESCRIPTION.format(tabs="\n".join(f"| {tab} | {meaning[tab]} |" for tab in tabs if tab in meaning))
+    tabs = tabs_of(emitted(info), info.settings)
+    return DESCRIPTION.format(tabs="\n".join(f"| {tab} | {sentence_of(tab)} |" for tab in tabs))
+
+
+def says(tab: str) -> str:
+    """The entity of a tab's sentence."""
+    return f"says/{tab.lower().replace(' ', '_')}"
 
 
 def blueprint(info: RunInfo) -> rrb.Blueprint:
@@ -71,11 +70,11 @@ def blueprint(info: RunInfo) -> rrb.Blueprint:
     records = emitted(info)
     names = tabs_of(records, info.settings)
     plain = {view.tab: functools.partial(plain_stage, view) for view in map(view_of, records)}
-    made = plain | VIEWS | {OVERVIEW: lambda: overview(names, info.settings), "Search": lambda: search(info.settings)}
+    made = plain | VIEWS | {OVERVIEW: lambda: overview(names), "Search": lambda: search(info.settings)}
     # At the end, with everything drawn.
     panel = rrb.TimePanel(state="collapsed", timeline="step", play_state="following")
     return rrb.Blueprint(
-        rrb.Tabs(*(made[name]() for name in names), active_tab=0),
+        rrb.Tabs(*(explained(name, made[name]()) for name in names), active_tab=0),
         rrb.BlueprintPanel(state="collapsed"),
         rrb.SelectionPanel(state="collapsed"),
         panel,
@@ -84,144 +83,145 @@ def blueprint(info: RunInfo) -> rrb.Blueprint:
     )
 
 
-def plain_stage(view: StageView) -> rrb.Container:
+def explained(tab: str, content: Content) -> rrb.Container:
+    """A tab: what is seen in a sentence, and below it what there is to see."""
+    sentence = rrb.TextDocumentView(origin=says(tab), name="What is seen here")
+    return rrb.Vertical(sentence, content, row_shares=[1, SENTENCE_SHARE], name=tab)
+
+
+def plain_stage(view: StageView) -> Content:
     """Tab of a stage without a function of its own: its rasters and its table."""
     topic = view.record.topic
     seen = flat(view.name, WORKING, f"other/{topic}/**", origin="/")
-    rows = rrb.archetypes.DataframeQuery(timeline="row")
-    table = rrb.DataframeView(origin=f"tables/{topic}", name="Rows", query=rows)
-    return rrb.Horizontal(seen, table, column_shares=[3, 2], name=view.tab)
+    return rrb.Horizontal(seen, rows(f"tables/{topic}", "Rows"), column_shares=[3, 2])
 
 
-def flat(name: str, *contents: str, origin: str = "map") -> rrb.Spatial2DView:
-    """A 2D view of some entities, relative to `origin`."""
-    return rrb.Spatial2DView(name=name, origin=origin, contents=[f"+ /{path}" for path in contents])
+def flat(name: str, *contents: str, origin: str = "map", off: Iterable[str] = ()) -> rrb.Spatial2DView:
+    """A 2D view of some entities, relative to `origin`; some of them are switched off at first."""
+    hidden: dict[Any, Any] = {f"/{path}": rrb.EntityBehavior(visible=False) for path in off}
+    return rrb.Spatial2DView(name=name, origin=origin, contents=[f"+ /{path}" for path in contents], overrides=hidden)
 
 
-def overview(tabs: tuple[str, ...], settings: Settings) -> rrb.Container:
-    """Tab with the final map beside the plots of curvature and cost."""
-    plots = [*([curve()] if "Curvature" in tabs else []), *([cost(settings)] if "Search" in tabs else [])]
+def rows(origin: str, name: str, *columns: str, timeline: str = "row") -> rrb.DataframeView:
+    """A table: some of its columns, or all of them, without the timelines that all rows share."""
+    select: list[Any] | None = [timeline, *(f"/{origin}:{column}" for column in columns)] if columns else None
+    query = rrb.archetypes.DataframeQuery(timeline=timeline, select=select)
+    return rrb.DataframeView(origin=origin, name=name, query=query)
+
+
+def overview(tabs: tuple[str, ...]) -> Content:
+    """Tab with the final map beside the charts of curvature and cost."""
+    charts = [*([curve()] if "Curvature" in tabs else []), *([cost()] if "Search" in tabs else [])]
     notes = rrb.Tabs(
         rrb.TextDocumentView(origin="description", name="Read me"), rrb.TextLogView(origin="log", name="Log"), stages()
     )
-    beside = rrb.Vertical(rrb.Vertical(*plots), notes, row_shares=[3, 2]) if plots else notes
-    return rrb.Horizontal(final_map(), beside, column_shares=[3, 2], name="Overview")
+    beside = rrb.Vertical(*charts, notes, row_shares=[3] * len(charts) + [4]) if charts else notes
+    return rrb.Horizontal(final_map(), beside, column_shares=[3, 2])
 
 
-def simplified() -> rrb.Container:
+def simplified() -> Content:
     """Tab with the input, and the working grid with its changed cells."""
-    working = flat("Simplified, changed cells in colour", WORKING, "map/removed")
-    return rrb.Horizontal(flat("Input", "input/map", origin="input"), working, name="Simplified")
+    working = flat("Simplified, changed cells in colour", WORKING, "map/simplified/changed")
+    return rrb.Horizontal(flat("As it was read", "input/map/**", origin="input"), working)
 
 
-def path() -> rrb.Container:
+def path() -> Content:
     """Tab with the walk along the boundary."""
-    return rrb.Horizontal(flat("Left-hand path", WORKING, "map/path", "map/walker", "map/heading"), name="Path")
+    return flat("Boundary, and the way it is walked", WORKING, "map/path/**", "map/walker", "map/heading")
 
 
-def curvature() -> rrb.Container:
-    """Tab with the curvature plot, and the vectors f and b at the walker."""
-    walk = flat("f and b at the walker", WORKING, "map/path", "map/walker", "map/vectors")
-    lines = rrb.TimeSeriesView(origin="plots/curvature", name="Angle by sample (select the timeline `sample`)")
-    return rrb.Horizontal(walk, rrb.Vertical(curve(), lines), name="Curvature")
+def curvature() -> Content:
+    """Tab with the boundary in colours of its angle, and the chart of the angle."""
+    walk = flat("Sharp bends are red", WORKING, "map/curvature/**", "map/walker", "map/vectors")
+    return rrb.Vertical(walk, curve(), row_shares=[3, 2])
 
 
-def corners() -> rrb.Container:
+def corners() -> Content:
     """Tab with candidates, corners and the table of corners."""
-    seen = flat("Candidates (small) and corners (large)", WORKING, "map/candidates/**", "map/corners/**")
-    table = rrb.DataframeView(
-        origin="tables/corners", name="Corners", query=rrb.archetypes.DataframeQuery(timeline="corner")
+    seen = flat("Candidates small, corners large", WORKING, "map/candidates/**", "map/corners/**")
+    table = rows("tables/corners", "Corners", "sample", "angle_deg", "convex", "cell_row_col", timeline="corner")
+    return rrb.Horizontal(seen, table, column_shares=[3, 2])
+
+
+def doors() -> Content:
+    """Tab with proposed doors, rejected ones switched off at first, and their table."""
+    reasons = [f"map/doors/{path_name(word)}" for word in VERDICTS if word != VERDICTS[PROPOSED]]
+    seen = flat(
+        "Proposed; rejected ones can be switched on", WORKING, "map/corners/convex", "map/doors/**", off=reasons
     )
-    return rrb.Horizontal(seen, table, column_shares=[3, 2], name="Corners")
+    table = rows("tables/doors", "Doors", "verdict_in_words", "kind_in_words", "width_m", "tilt_deg")
+    return rrb.Horizontal(seen, table, column_shares=[3, 2])
 
 
-def doors() -> rrb.Container:
-    """Tab with proposed and rejected doors, and their table."""
-    proposed = flat("Proposed", WORKING, "map/corners/convex", "map/doors/proposed")
-    rejected = flat("Rejected, one layer per reason", WORKING, "map/doors/rejected/**")
-    table = rrb.DataframeView(
-        origin="tables/doors", name="All doors", query=rrb.archetypes.DataframeQuery(timeline="row")
-    )
-    return rrb.Vertical(rrb.Horizontal(proposed, rejected), table, row_shares=[3, 1], name="Doors")
-
-
-def scores() -> rrb.Container:
+def scores() -> Content:
     """Tab with scored doors, their scores and features."""
-    likely = flat(
-        "Likely doors, doubtful (orange) to sure (green)", WORKING, "map/scores/likely", "map/scores/conflicts"
+    out = [f"map/scores/{word}" for word in JUDGEMENTS if word != JUDGEMENTS[LIKELY]]
+    seen = flat("Doubtful (orange) to sure (green)", WORKING, "map/scores/**", off=out)
+    tables = rrb.Tabs(
+        rows("tables/door_scores", "Scores", "door", "log_odds", "judgement_in_words", "sure"),
+        rows("tables/door_features", "Features"),
+        active_tab=0,
     )
-    others = flat("Unlikely and outdone", WORKING, "map/scores/unlikely", "map/scores/outdone")
-    rows = rrb.archetypes.DataframeQuery(timeline="row")
-    tables = [
-        rrb.DataframeView(origin=f"tables/{table}", name=name, query=rows)
-        for table, name in (("door_scores", "Scores"), ("door_features", "Features"))
-    ]
-    return rrb.Vertical(rrb.Horizontal(likely, others), rrb.Horizontal(*tables), row_shares=[3, 1], name="Scores")
+    return rrb.Horizontal(seen, tables, column_shares=[3, 2])
 
 
-def narrow_places() -> rrb.Container:
+def narrow_places() -> Content:
     """Tab with the skeleton and its narrow places."""
-    skeleton = flat("Skeleton", WORKING, "map/skeleton")
-    return rrb.Horizontal(skeleton, flat("Narrow places", WORKING, "map/narrows/**"), name="Narrow places")
+    skeleton = flat("Skeleton", WORKING, "map/skeleton/**")
+    return rrb.Horizontal(skeleton, flat("Narrow places", WORKING, "map/narrows/**"))
 
 
-def cores() -> rrb.Container:
+def cores() -> Content:
     """Tab with the eroded free space, and the rooms grown back from it."""
-    left = flat("Eroded free space", WORKING, "map/eroded")
-    return rrb.Horizontal(left, flat("Rooms grown back", WORKING, "map/grown"), name="Cores")
+    left = flat("Eroded free space", WORKING, "map/eroded/**")
+    return rrb.Horizontal(left, flat("Rooms grown back", WORKING, "map/grown/**"))
 
 
-def initial_map() -> rrb.Container:
-    """Tab with the initial topological map over the grid, and as a graph."""
-    over = flat("Over the map", WORKING, "map/regions", "map/doors/proposed", "map/initial/**")
-    return rrb.Horizontal(over, rrb.GraphView(origin="graph/initial", name="Rooms and doors"), name="Initial map")
+def initial_map() -> Content:
+    """Tab with the initial topological map over the grid."""
+    return flat("Regions and the doors on their borders", WORKING, "map/initial/**")
 
 
-def search(settings: Settings) -> rrb.Container:
-    """Tab with the kept doors, the cost by generation, and the certificate if there is one."""
-    kept = flat("Doors kept by the best string", WORKING, "map/search/**")
-    terms = rrb.TimeSeriesView(
-        origin="plots/terms", name="Terms of eq. 7 (best string)", plot_legend=rrb.Corner2D.RightTop
-    )
+def search(settings: Settings) -> Content:
+    """Tab with the kept doors, the cost by generation, and the certificate or the terms of the cost."""
+    kept = flat("Kept (red) and removed (grey)", WORKING, "map/search/**")
+    scored = includes(settings, "score") or not settings
+    terms = [] if scored else [view_of_chart("charts/terms", TERMS)]
     proof = [rrb.TextDocumentView(origin="certificate", name="Certificate")] if includes(settings, "certify") else []
-    return rrb.Horizontal(kept, rrb.Vertical(cost(settings), terms, *proof), name="Search")
+    return rrb.Horizontal(kept, rrb.Vertical(cost(), *terms, *proof), column_shares=[3, 2])
 
 
-def rooms() -> rrb.Container:
+def rooms() -> Content:
     """Tab with the final map over the input, and as a graph."""
-    return rrb.Horizontal(
-        final_map(), rrb.GraphView(origin="graph/final", name="Graph"), column_shares=[2, 1], name="Rooms"
-    )
+    bounds = rrb.VisualBounds2D(x_range=[-MARGIN, SIDE + MARGIN], y_range=[-MARGIN, SIDE + MARGIN])
+    graph = rrb.GraphView(origin="graph/final", name="Graph of rooms, by number", visual_bounds=bounds)
+    return rrb.Horizontal(final_map(), graph, column_shares=[2, 1])
 
 
-def route() -> rrb.Container:
+def route() -> Content:
     """Tab with the route over the rooms."""
-    seen = flat("Route", "input/map", "rooms/labels", "rooms/doors", "route/**", origin="/")
-    return rrb.Horizontal(seen, name="Route")
+    return flat("Route", "input/map", "rooms/rooms", "rooms/doors", "route/**", origin="/")
 
 
-def coverage() -> rrb.Container:
+def coverage() -> Content:
     """Tab with the path that covers the floor, and what it sweeps."""
-    seen = flat("Coverage", "input/map", "rooms/doors", "coverage/**", origin="/")
-    return rrb.Horizontal(seen, name="Coverage")
+    parts = ("input/map", "rooms/doors", "coverage/floor", "coverage/path/**", "coverage/robot")
+    return flat("Coverage", *parts, origin="/")
 
 
 def final_map() -> rrb.Spatial2DView:
     """View of rooms, doors and graph over the input."""
-    return rrb.Spatial2DView(name="Rooms and doors", origin="/", contents=["+ /input/map", "+ /rooms/**"])
+    return flat("Rooms and doors", "input/map/**", "rooms/**", origin="/")
 
 
 def curve() -> rrb.Spatial2DView:
-    """View of the angle at each sample, shown on every timeline."""
-    return rrb.Spatial2DView(origin="curve", name="Angle between f and b by sample, degrees (eq. 5)")
+    """Chart of the angle along the boundary."""
+    return view_of_chart("charts/curvature", ANGLES)
 
 
-def cost(settings: Settings) -> rrb.TimeSeriesView:
-    """Plot of best, mean and worst cost by generation."""
-    formula = "energy of scored doors" if includes(settings, "score") else "eq. 7"
-    return rrb.TimeSeriesView(
-        origin="plots/search", name=f"Cost by generation ({formula})", plot_legend=rrb.Corner2D.RightTop
-    )
+def cost() -> rrb.Spatial2DView:
+    """Chart of best, mean and worst cost by generation."""
+    return view_of_chart("charts/cost", COSTS)
 
 
 def stages() -> rrb.StateTimelineView:
@@ -229,7 +229,7 @@ def stages() -> rrb.StateTimelineView:
     return rrb.StateTimelineView(origin="state", name="Stages")
 
 
-VIEWS: dict[str, Callable[[], rrb.Container]] = {
+VIEWS: dict[str, Callable[[], Content]] = {
     "Simplified": simplified,
     "Path": path,
     "Curvature": curvature,

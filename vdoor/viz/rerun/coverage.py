@@ -1,18 +1,16 @@
-"""Drawings of coverage: the path by what it is for, and the floor that is swept as the robot drives."""
+"""The floor that is swept as the robot drives."""
 
 from __future__ import annotations
 
 import colorsys
 
 import numpy as np
-import rerun as rr
 
 from vdoor.explain.coverage import described
 from vdoor.navigate.cover_floor import Coverage
-from vdoor.navigate.coverage.path import KINDS
 from vdoor.viz.rerun import style
 from vdoor.viz.rerun.routes import CM_PER_M, DRIVE, draw_driving
-from vdoor.viz.rerun.scene import Scene, classes, pixels
+from vdoor.viz.rerun.scene import Scene, classes
 
 HUES = 200
 """Number of colours from the first swept cells to the last."""
@@ -21,17 +19,9 @@ FRAMES, MOST_CELLS = 60, 60_000_000
 
 
 def draw_coverage(scene: Scene, coverage: Coverage) -> None:
-    """Draw the path, the robot on it, and the floor in colours from the first swept cells to the last."""
-    frame = coverage.frame
-    size = max(frame.height, frame.width) / 400
-    cell = frame.cell_from_world(coverage.point_m)
-    lines = pixels(np.stack([cell[:-1], cell[1:]], axis=1).reshape(-1, 2)).reshape(-1, 2, 2)
-    for number, kind in enumerate(KINDS):
-        own = lines[coverage.purpose[1:] == number]
-        colour = style.OF_PURPOSE[kind]
-        scene.log(f"coverage/path/{kind}", rr.LineStrips2D(own, colors=colour, radii=size / 4, draw_order=50.0))
+    """Draw the robot on its way, and the floor in colours from the first swept cells to the last."""
     _draw_floor(scene, coverage)
-    draw_driving(scene, "coverage", frame, coverage.point_m, radius_m=coverage.radius_m)
+    draw_driving(scene, "coverage", coverage.frame, coverage.point_m, radius_m=coverage.radius_m)
     scene.log_text(described(coverage))
 
 
@@ -45,7 +35,7 @@ def _draw_floor(scene: Scene, coverage: Coverage) -> None:
     frames = min(FRAMES, max(MOST_CELLS // coverage.swept.size, 1))
     for at_m in np.linspace(0, total_m, frames + 1):
         scene.at(**{DRIVE: round(at_m * CM_PER_M)})
-        scene.raster("coverage/floor", np.where(when_m <= at_m, shade, 0).astype(np.uint8), order=1.0, opacity=0.6)
+        scene.raster("coverage/floor", np.where(when_m <= at_m, shade, 0).astype(np.uint8), order=165.0, opacity=0.6)
 
 
 def _shades() -> dict[int, tuple[str, tuple[int, int, int, int]]]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from pathlib import Path
 
 import numpy as np
@@ -9,16 +10,19 @@ import rerun as rr
 import rerun.blueprint as rrb
 
 from vdoor.emit import RunInfo
-from vdoor.files import partial_name
 from vdoor.frame import Frame
 from vdoor.grid import OccupancyGrid
+from vdoor.partial import Partial
 from vdoor.record import COLUMNS, RASTERS, Record, specs
 from vdoor.recording.compare import Difference, places, unequal
 from vdoor.recording.diff import Pair
 from vdoor.viz.rerun import style
-from vdoor.viz.rerun.draw import DRAW, draw_any
+from vdoor.viz.rerun.blueprint import COSTS
+from vdoor.viz.rerun.chart import view_of_chart
+from vdoor.viz.rerun.draw import draw_record
+from vdoor.viz.rerun.pump import Pump
 from vdoor.viz.rerun.scene import Scene, classes, pixels
-from vdoor.viz.rerun.sink import errors_at, new_stream
+from vdoor.viz.rerun.sink import FLUSH_S, errors_at, new_stream
 
 EXPECTED, FOUND = "recorded", "again"
 TABS = ("Differences", "Stages", "Search")
@@ -37,14 +41,14 @@ class DifferenceSink:
     def __init__(self, path: Path, info: RunInfo, *, limit_deg: float = 155.0) -> None:
         self.path = path
         self._step = 0
+        self._partial = Partial(path)
         with errors_at(path):
-            partial_name(path).touch()
-            stream = new_stream(info)
-            stream.save(partial_name(path), default_blueprint=blueprint())
+            stream, self._pump = new_stream(info), Pump(self._partial.stream())
+            stream.save(self._pump.address, default_blueprint=blueprint())
         self._marks = Scene(stream)
         self._scenes = {name: Scene(stream, prefix=f"{name}/") for name in (EXPECTED, FOUND)}
         for scene in self._scenes.values():
-            scene.remembered["threshold_deg"] = limit_deg
+            scene.threshold_deg = limit_deg
         self._marks.keep("description", rr.TextDocument(DESCRIPTION, media_type="text/markdown"))
 
     def __call__(self, pair: Pair) -> None:
@@ -53,7 +57,7 @@ class DifferenceSink:
             for name, record in ((EXPECTED, pair.expected), (FOUND, pair.found)):
                 if record is not None:
                     self._scenes[name].begin(self._step, record.topic)
-                    DRAW.get(type(record), draw_any)(self._scenes[name], record)
+                    draw_record(self._scenes[name], record)
             self._marks.begin(self._step, pair.topic)
             if pair.expected is None or pair.found is None:
                 self._marks.log_text(f"{pair.topic} {pair.rank} is in one run only")
@@ -64,14 +68,17 @@ class DifferenceSink:
     def close(self) -> None:
         """Finish the file."""
         with errors_at(self.path):
-            self._marks.stream.flush()
+            self._marks.stream.flush(timeout_sec=FLUSH_S)
             self._marks.stream.disconnect()
-            partial_name(self.path).replace(self.path)
+            self._pump.close()
+        self._partial.give_name()
 
     def abandon(self) -> None:
         """Discard the file: half a comparison is misleading."""
         self._marks.stream.disconnect()
-        partial_name(self.path).unlink(missing_ok=True)
+        with contextlib.suppress(OSError):  # a second error, or closed already
+            self._pump.close()
+        self._partial.remove()
 
     def _mark(self, expected: Record, found: Record, differences: tuple[Difference, ...]) -> None:
         """Log each difference, and mark its position if it has one."""
@@ -92,10 +99,10 @@ class DifferenceSink:
             entity = f"difference/{frame_of(expected)}/{expected.topic}/{difference.field}"
             if spec.kind in RASTERS:
                 self._marks.keep(entity, classes({0: ("equal", style.CLEAR), 1: ("differs", MARK)}))
-                self._marks.raster(entity, mask.astype(np.uint8), order=60.0)
+                self._marks.raster(entity, mask.astype(np.uint8), order=300.0)
             elif spec.kind in COLUMNS and (at := places(expected, spec.axes[0])) is not None:
                 rows = mask.reshape(len(mask), -1).any(axis=1)
-                points = rr.Points2D(pixels(at.cells[rows]), colors=MARK, radii=0.6, draw_order=61.0)
+                points = rr.Points2D(pixels(at.cells[rows]), colors=MARK, radii=-4.0, draw_order=301.0)
                 self._marks.log(entity, points)
 
 
@@ -124,7 +131,7 @@ def blueprint() -> rrb.Blueprint:
         for name in (EXPECTED, FOUND)
     ]
     results = [_view(f"{name}: rooms", f"{name}/input/map", f"{name}/rooms/**") for name in (EXPECTED, FOUND)]
-    costs = [rrb.TimeSeriesView(origin=f"{name}/plots/search", name=f"{name}: cost") for name in (EXPECTED, FOUND)]
+    costs = [view_of_chart(f"{name}/charts/cost", f"{name}: {COSTS}") for name in (EXPECTED, FOUND)]
     return rrb.Blueprint(
         rrb.Tabs(
             rrb.Horizontal(rrb.Vertical(marked, rooms), texts, column_shares=[2, 1], name=TABS[0]),

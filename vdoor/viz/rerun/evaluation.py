@@ -15,8 +15,8 @@ from vdoor.emit import RunInfo
 from vdoor.evaluate import Doors, Evaluation
 from vdoor.evaluate.tables import fates
 from vdoor.grid import Source
+from vdoor.viz.marks.boundary import STATES, states
 from vdoor.viz.rerun import style
-from vdoor.viz.rerun.draw import CELL_CLASSES, cell_classes
 from vdoor.viz.rerun.graphs import room_classes
 from vdoor.viz.rerun.scene import Scene, classes, pixels, strips
 from vdoor.viz.rerun.sink import whole_recording
@@ -71,7 +71,7 @@ def keep_classes(scene: Scene, evaluations: Sequence[Evaluation]) -> None:
     """Log the names and colours of cells and rooms, for all maps."""
     rooms = max(int(evaluation.division.rooms.max(initial=0)) for evaluation in evaluations)
     rooms = max(rooms, *(evaluation.rooms.true for evaluation in evaluations if evaluation.rooms), 0)
-    scene.keep("evaluation/map", classes(CELL_CLASSES))
+    scene.keep("evaluation/map", classes({code: (word, colour) for code, (colour, word) in STATES.items()}))
     for side in ("found", "true"):
         names = room_classes(rooms) | {NO_PARTNER: ("no partner", UNPAIRED)}
         scene.keep(f"evaluation/{side}/rooms", classes(names))
@@ -79,7 +79,7 @@ def keep_classes(scene: Scene, evaluations: Sequence[Evaluation]) -> None:
 
 def draw_evaluation(scene: Scene, evaluation: Evaluation) -> None:
     """Draw one map: cells, doors by outcome, rooms by pair, figures."""
-    scene.raster("evaluation/map", cell_classes(evaluation.division.grid))
+    scene.raster("evaluation/map", states(evaluation.division.grid.cells))
     size = max(evaluation.division.free.shape) / 400
     for fate, doors in fates(evaluation).items():
         draw_doors(scene, f"evaluation/doors/{fate}", doors, colour=FATES[fate], radius=size)

@@ -17,6 +17,8 @@ from vdoor.errors import VdoorError
 
 HOST = "127.0.0.1"
 END_S = 5.0
+CLOSED = f"http://{HOST}:9"
+"""The port of a service (discard) that only connects to nothing."""
 
 
 def start(*words: str | Path, quiet: bool = True) -> subprocess.Popen[bytes]:
@@ -26,9 +28,21 @@ def start(*words: str | Path, quiet: bool = True) -> subprocess.Popen[bytes]:
         [Path(sys.executable).with_name("rerun"), "--bind", HOST, *words],
         stdout=output,
         stderr=output,
-        env=os.environ | {"CI": "1"},  # no analytics
+        env=offline(),
         start_new_session=True,
     )
+
+
+def offline() -> dict[str, str]:
+    """The environment for a viewer that asks nobody for anything: no analytics, and no way out but a closed port.
+
+    Its check for a newer version goes through a proxy, which then need not look the host's name up.
+    """
+    proxies = dict.fromkeys(("HTTP_PROXY", "HTTPS_PROXY", "ALL_PROXY"), CLOSED)
+    local = {"NO_PROXY": f"localhost,{HOST}"}
+    ours = {"CI": "1"} | proxies | local
+    others = {name: value for name, value in os.environ.items() if name.upper() not in ours}
+    return others | ours | {name.lower(): value for name, value in (proxies | local).items()}
 
 
 def end(process: subprocess.Popen[bytes]) -> None:

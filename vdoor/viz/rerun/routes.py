@@ -1,4 +1,4 @@
-"""Drawings of routes: the path over the rooms, and the robot that drives along it on a timeline of its own."""
+"""The robot that drives along a path on a timeline of its own."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import numpy as np
 import rerun as rr
 from numpy.typing import NDArray
 
-from vdoor.explain.routes import described, obstacle_text
+from vdoor.explain.routes import described
 from vdoor.frame import Frame
 from vdoor.navigate.find_route import Route
 from vdoor.viz.rerun import style
@@ -24,22 +24,9 @@ LONGEST_M = 1e9
 
 
 def draw_route(scene: Scene, route: Route) -> None:
-    """Draw the path, its stops, the driving robot, and what is in the way."""
-    frame = route.frame
-    size = max(frame.height, frame.width) / 400
-    stops = route.stop_m[np.isfinite(route.stop_m).all(axis=1)]
-    stops_of = rr.Points2D(_pixels(frame, stops), colors=style.STOP, radii=size * 1.5, draw_order=51.0)
-    scene.log("route/stops", stops_of)
+    """Draw the driving robot, and log the route in words."""
     if route.found:
-        path = rr.LineStrips2D([_pixels(frame, route.point_m)], colors=style.ROUTE, radii=size / 2, draw_order=50.0)
-        scene.log("route/path", path)
-        draw_driving(scene, "route", frame, route.point_m, radius_m=route.radius_m)
-    else:
-        labels = [obstacle_text(route, row) for row in range(len(route.obstacle))]
-        places = rr.Points2D(
-            _pixels(frame, route.obstacle_m), colors=style.IN_THE_WAY, radii=size * 2, labels=labels, draw_order=52.0
-        )
-        scene.log("route/in_the_way", places)
+        draw_driving(scene, "route", route.frame, route.point_m, radius_m=route.radius_m)
     scene.log_text(described(route))
 
 
@@ -55,7 +42,7 @@ def draw_driving(scene: Scene, entity: str, frame: Frame, point_m: Floats, *, ra
     moments = np.rint(at_m * CM_PER_M).astype(np.int64)
     scene.columns(f"{entity}/robot", DRIVE, moments, rr.Points2D.columns(positions=place))
     radius = radius_m / frame.resolution_m
-    scene.keep(f"{entity}/robot", rr.Points2D.from_fields(colors=style.ROBOT, radii=radius, draw_order=53.0))
+    scene.keep(f"{entity}/robot", rr.Points2D.from_fields(colors=style.ROBOT, radii=radius, draw_order=250.0))
 
 
 def _pixels(frame: Frame, point_m: Floats) -> Floats:

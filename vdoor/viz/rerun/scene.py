@@ -9,7 +9,10 @@ import numpy as np
 import rerun as rr
 from numpy.typing import NDArray
 
+from vdoor.history.records import RunRecords
+from vdoor.method.search.generation import Generation
 from vdoor.record import Record, Spec, specs, tables
+from vdoor.viz.marks.kinds import reduced
 
 LARGEST_SIDE_PX = 16_384
 """Maximum size of a texture; larger rasters are reduced."""
@@ -18,6 +21,8 @@ SCRUBBED = ("sample", "corner", "generation", "drive")
 
 Data that does not change along one of them is logged at its 0, so that it is visible there as well.
 """
+THRESHOLD_DEG = 155.0
+"""Of recordings whose settings do not say."""
 
 
 class Scene:
@@ -31,8 +36,10 @@ class Scene:
         self.stage = 0
         self.topics: list[str] = []
         """Topics of the records so far; the index of a topic is its stage."""
-        self.remembered: dict[str, Any] = {}
-        """Earlier records and values that later drawings need, by topic or name."""
+        self.run = RunRecords()
+        """The records so far: later drawings need earlier ones."""
+        self.threshold_deg = THRESHOLD_DEG
+        """Angle below which samples are candidates."""
 
     def begin(self, step: int, topic: str) -> None:
         """Start the next record."""
@@ -43,6 +50,15 @@ class Scene:
         self.stream.reset_time()
         self.at()
         self.log("state/stage", rr.StateChange(state=topic))
+
+    def remember(self, record: Record) -> None:
+        """Keep a record for later drawings; a second one of a stage takes the place of the first."""
+        self.run.steps.setdefault(record.topic, self.step)
+        if isinstance(record, Generation):
+            self.at(generation=record.number)
+            self.run.search.add(record)
+        else:
+            self.run.records[record.topic] = record
 
     def at(self, **places: int) -> None:
         """Set the time of the following logs: the step, and a position on the named timelines."""
@@ -84,13 +100,6 @@ class Scene:
         self.log("log", rr.TextLog(text))
 
 
-def reduced(raster: NDArray[Any], by: int) -> NDArray[Any]:
-    """Maximum of each block of `by` x `by` cells; blocks at the right and lower edge may be smaller."""
-    rows, cols = (np.arange(0, length, by) for length in raster.shape)
-    by_rows = np.maximum.reduceat(raster, rows, axis=0)
-    return np.asarray(np.maximum.reduceat(by_rows, cols, axis=1))
-
-
 def classes(names: Mapping[int, tuple[str, Sequence[int]]]) -> rr.AnnotationContext:
     """Names and colours of class numbers."""
     return rr.AnnotationContext(
@@ -109,10 +118,14 @@ def strips(start: NDArray[Any], end: NDArray[Any]) -> NDArray[np.float32]:
 
 
 Columns = dict[str, Any]
+DECIMALS = 3
 
 
 def table(scene: Scene, record: Record, name: str, *, without: Sequence[str] = ()) -> None:
-    """Log a table of a record, one row per position on the timeline `corner` or `row`, without some fields."""
+    """Log a table of a record, one row per position on the timeline `corner` or `row`, without some fields.
+
+    A viewer makes a column as wide as its name: names of columns with text are long.
+    """
     columns: Columns = {}
     for field in (field for field in tables(type(record))[name] if field not in without):
         values, spec = getattr(record, field), specs(type(record))[field][0]
@@ -125,13 +138,19 @@ def table(scene: Scene, record: Record, name: str, *, without: Sequence[str] = (
 
 
 def columns_of(field: str, values: NDArray[Any], *, spec: Spec) -> Columns:
-    """Columns of one field: words for codes, degrees for angles, one column per component of a vector."""
+    """Columns of one field: words for codes, degrees for angles, vectors as text, numbers rounded."""
     if spec.words:
-        return {field: np.array(spec.words)[values].tolist()}
+        return {f"{field}_in_words": np.array(spec.words)[values].tolist()}
     if spec.unit == "rad":
-        return {field.replace("_rad", "_deg"): np.degrees(values)}
+        return {field.replace("_rad", "_deg"): rounded(np.degrees(values))}
     if values.ndim == 1:
-        return {field: values}
-    axes = ("x", "y") if spec.unit == "m" else ("row", "col")
-    names = axes if values.shape[1] == len(axes) else range(values.shape[1])
-    return {f"{field}_{part}": values[:, at] for at, part in enumerate(names)}
+        return {field: rounded(values)}
+    parts = "x_y" if spec.unit == "m" else "row_col"
+    return {
+        f"{field}_{parts}": [", ".join(f"{part:g}" for part in row) for row in np.atleast_2d(rounded(values)).tolist()]
+    }
+
+
+def rounded(values: NDArray[Any]) -> NDArray[Any]:
+    """Numbers of a table as people read them; exact ones are in the .mcap."""
+    return np.round(values, DECIMALS) if values.dtype.kind == "f" else values

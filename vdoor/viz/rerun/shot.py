@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import subprocess
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -34,19 +34,24 @@ class Shot:
 
 
 def shots(
-    recording: Path, *, tabs: tuple[str, ...] | None = None, size: tuple[int, int] = (1600, 1000)
+    recording: Path, *, tabs: Sequence[str] | None = None, size: tuple[int, int] = (1600, 1000)
 ) -> Iterator[Shot]:
     """Screenshots of each tab, or of `tabs`, at the end of the recording; `VdoorError` if they cannot be made."""
     with headless(recording, size) as client:
-        current = client.get_state().recordings[0]
-        last = next((line.end for line in current.timelines if line.name == "step"), None) or 0
-        client.set_time("step", sequence=last, play_state="paused")
-        names = list(tabs_in(client))
-        for tab in tabs or names:
-            open_tab(client, tab)
-            png = steady(client)
-            reports = [f"{view.name}: {report.summary}" for view in client.get_state().views for report in view.reports]
-            yield Shot(tab, names.index(tab), png, tuple(reports))
+        yield from shots_in(client, tabs)
+
+
+def shots_in(client: ViewerClient, tabs: Sequence[str] | None = None) -> Iterator[Shot]:
+    """Screenshots of each tab, or of some, of the recording that a viewer has loaded."""
+    current = client.get_state().recordings[0]
+    last = next((line.end for line in current.timelines if line.name == "step"), None) or 0
+    client.set_time("step", sequence=last, play_state="paused")
+    names = list(tabs_in(client))
+    for tab in tabs or names:
+        open_tab(client, tab)
+        png = steady(client)
+        reports = [f"{view.name}: {report.summary}" for view in client.get_state().views for report in view.reports]
+        yield Shot(tab, names.index(tab), png, tuple(reports))
 
 
 def open_tab(client: ViewerClient, tab: str) -> None:

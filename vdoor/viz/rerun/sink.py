@@ -5,33 +5,34 @@ from __future__ import annotations
 import hashlib
 import json
 import os
-import shutil
 import subprocess
 import uuid
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import BinaryIO
 from urllib.parse import urlsplit
 
-import numpy as np
 import rerun as rr
 import rerun.blueprint as rrb
 
 from vdoor.emit import RunInfo
 from vdoor.errors import VdoorError, say
-from vdoor.files import partial_name
+from vdoor.explain.stages import sentence_of, tabs_of
+from vdoor.partial import Partial
+from vdoor.pipeline import emitted
 from vdoor.record import Record
-from vdoor.viz.rerun.blueprint import blueprint, description
-from vdoor.viz.rerun.draw import DRAW, draw_any
+from vdoor.viz.rerun.blueprint import blueprint, description, says
+from vdoor.viz.rerun.draw import draw_record
 from vdoor.viz.rerun.program import HOST, end, free_port, listening, start, wait_until_listening
+from vdoor.viz.rerun.pump import Pump
 from vdoor.viz.rerun.scene import Scene
 
 APPLICATION = "vdoor"
 GRPC_PORT, WEB_PORT = 9876, 9090
 PATIENCE_S = 10.0
 FLUSH_S = 60.0
-"""Time limit of a flush: Rerun's writer ends at its first error, and a flush could then wait forever."""
-SPARE_BYTES = 4_000_000
+"""Time limit of a flush."""
 SWITCHED_OFF = ("0", "false", "off", "no")
 
 
@@ -45,27 +46,31 @@ class RerunSink:
         *,
         server: subprocess.Popen[bytes] | None = None,
         path: Path | None = None,
+        pump: Pump | None = None,
     ) -> None:
-        self.path = path
+        self.path, self._pump = path, pump
         self.address = ""
         """URL for a browser, of a web server."""
         self._stream: rr.RecordingStream | None = stream
         self._server = server
         self._scene = Scene(stream)
-        self._scene.remembered["threshold_deg"] = info.settings.get("candidates", {}).get("angle_deg", 155.0)
+        self._scene.threshold_deg = info.settings.get("candidates", {}).get("angle_deg", self._scene.threshold_deg)
+        for tab in tabs_of(emitted(info), info.settings):
+            self._scene.keep(says(tab), rr.TextDocument(sentence_of(tab), media_type="text/markdown"))
         self._scene.keep("description", rr.TextDocument(described(info), media_type="text/markdown"))
 
     @classmethod
-    def to_file(cls, path: Path, info: RunInfo) -> RerunSink:
-        """Draw into a file, with the blueprint; `VdoorError` if it cannot be written."""
-        stream = new_stream(info)
+    def to_file(cls, path: Path, info: RunInfo, file: BinaryIO | None = None) -> RerunSink:
+        """Draw into `file`, a new one at `path` without it, with the blueprint; `VdoorError` if that fails."""
         with errors_at(path):
-            path.touch()
-            stream.save(path, default_blueprint=blueprint(info))
-            sink = cls(stream, info, path=path)
-            stream.flush(timeout_sec=FLUSH_S)
-            if not path.stat().st_size:
-                raise VdoorError(f"recording: nothing was written, wanted a Rerun recording: {path}")
+            stream, pump = new_stream(info), Pump(file or path.open("wb"))
+            stream.save(pump.address, default_blueprint=blueprint(info))
+            sink = cls(stream, info, path=path, pump=pump)
+            try:
+                sink.flush()
+            except OSError:
+                sink.end()
+                raise
         return sink
 
     @classmethod
@@ -106,21 +111,37 @@ class RerunSink:
         """Draw one record; in a file, it survives a kill once this returns."""
         if self._stream is None:
             raise VdoorError("recording: closed")
-        if self.path is not None:
-            check_room(self.path, record)
         with errors_at(self.path):
             self._scene.begin(step, record.topic)
-            DRAW.get(type(record), draw_any)(self._scene, record)
+            draw_record(self._scene, record)
+            self.flush()
+
+    def flush(self) -> None:
+        """Wait until everything drawn so far is written; raises `OSError` or `RuntimeError` if it is not."""
+        if self._stream is not None:
             self._stream.flush(timeout_sec=FLUSH_S)
+        if self._pump is not None:
+            self._pump.flush()
+
+    def end(self) -> None:
+        """Let go of the stream and close the file."""
+        stream, self._stream = self._stream, None
+        pump, self._pump = self._pump, None
+        if stream is not None:
+            stream.disconnect()
+        del stream
+        if pump is not None:
+            pump.close()
 
     def close(self) -> None:
         """Write the footer; a server keeps running until Ctrl-C."""
         if self._stream is None:
             return
-        stream, self._stream = self._stream, None
         with errors_at(self.path):
-            stream.flush(timeout_sec=FLUSH_S)
-            stream.disconnect()
+            try:
+                self.flush()
+            finally:
+                self.end()
         if self._server is not None:
             try:
                 say(f"open {self.address} in a browser; stop with Ctrl-C")
@@ -160,15 +181,6 @@ def described(info: RunInfo) -> str:
     return f"{description(info)}\nvdoor {info.version}, preset `{info.preset}`, seed {info.seed}, map: {files}\n"
 
 
-def check_room(path: Path, record: Record) -> None:
-    """Raise `VdoorError` if the disk has no room for a record, as Rerun's writer would hang."""
-    arrays = (value.nbytes for value in vars(record).values() if isinstance(value, np.ndarray))
-    wanted, found = 2 * sum(arrays) + SPARE_BYTES, shutil.disk_usage(path).free
-    if found < wanted:
-        megabytes = f"wanted {wanted / 1e6:.1f} MB of free disk, found {found / 1e6:.1f} MB"
-        raise VdoorError(f"recording: {megabytes} at {record.topic}: {path}")
-
-
 @contextmanager
 def errors_at(path: Path | None) -> Iterator[None]:
     """Turn file errors into a `VdoorError` with the path."""
@@ -204,17 +216,17 @@ def start_viewer(*words: str, port: int) -> subprocess.Popen[bytes]:
 @contextmanager
 def whole_recording(path: Path, info: RunInfo, blueprint: rrb.Blueprint) -> Iterator[Scene]:
     """A scene to draw on; the file is complete when the block ends. `VdoorError` if it cannot be written."""
-    partial = partial_name(path)
-    stream = new_stream(info)
+    partial = Partial(path)
     try:
         with errors_at(path):
-            partial.touch()
-            stream.save(partial, default_blueprint=blueprint)
-            yield Scene(stream)
-            stream.flush(timeout_sec=FLUSH_S)
-            stream.disconnect()
-            if not partial.stat().st_size:
-                raise VdoorError(f"recording: nothing was written, wanted a Rerun recording: {path}")
-            partial.replace(path)
+            stream, pump = new_stream(info), Pump(partial.stream())
+            stream.save(pump.address, default_blueprint=blueprint)
+            try:
+                yield Scene(stream)
+                stream.flush(timeout_sec=FLUSH_S)
+            finally:
+                stream.disconnect()
+                pump.close()
+        partial.give_name()
     finally:
-        partial.unlink(missing_ok=True)
+        partial.remove()

@@ -18,6 +18,7 @@ NOTCH: Glass = (40, 170, 200, 255)
 ISLAND: Glass = (220, 190, 40, 230)
 THIN_UNKNOWN: Glass = (150, 120, 220, 230)
 SLIT: Glass = (40, 150, 150, 230)
+SILL: Glass = (200, 90, 130, 230)
 CLEAR: Glass = (0, 0, 0, 0)
 OF_REASON: dict[str, Glass] = {
     "unreachable": UNREACHABLE,
@@ -26,6 +27,7 @@ OF_REASON: dict[str, Glass] = {
     "island": ISLAND,
     "thin unknown": THIN_UNKNOWN,
     "slit": SLIT,
+    "sill": SILL,
 }
 """Colours of changed cells, by the reason that the simplified grid gives."""
 
@@ -63,6 +65,7 @@ ROUTE: Colour = (30, 90, 220)
 STOP: Colour = (20, 40, 120)
 OF_PURPOSE: dict[str, Colour] = {"way": (214, 50, 60), "wall": (150, 40, 190), "lane": (30, 90, 220)}
 """Colours of a covering path, by what the robot drives for."""
+SWEPT: Colour = (196, 222, 246)
 ROBOT: Glass = (30, 90, 220, 150)
 IN_THE_WAY: Colour = (214, 50, 60)
 NODE: Colour = (236, 196, 30)

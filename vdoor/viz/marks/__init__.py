@@ -1,0 +1,1 @@
+"""What is seen of each stage, whatever draws it: cells, dots, lines and charts."""

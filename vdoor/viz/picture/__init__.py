@@ -1,0 +1,1 @@
+"""Pictures of stages for people: PNGs of our own, without a viewer."""
