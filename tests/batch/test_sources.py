@@ -149,7 +149,8 @@ def put(url: str, data: bytes) -> None:
         except ConnectionError:
             time.sleep(0.1)
         except urllib.error.URLError as error:
-            assert isinstance(error.reason, ConnectionError), error
+            if not isinstance(error.reason, ConnectionError):
+                raise
             time.sleep(0.1)
         else:
             return

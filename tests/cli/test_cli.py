@@ -75,6 +75,7 @@ def test_equal_runs_give_equal_mcap_bytes_and_map_files(results: Path, tmp_path:
 def test_json_on_stdout_is_map_json(results: Path) -> None:
     printed = json.loads(call("run", FLAT, "--preset", "paper", "--json", "-q").stdout)
     written = json.loads((results / "flat" / "map.json").read_text())
+    del written["files"]  # the digests of the files beside it
     assert printed | {"timings_s": 0} == written | {"timings_s": 0}
 
 

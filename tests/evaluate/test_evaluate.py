@@ -283,13 +283,13 @@ def test_wrong_results_are_one_line(results: Path, tmp_path: Path) -> None:
     for result, reference, maps, message in (
         (found, truth, own, "--map: wanted the map"),
         (tmp_path / "none.npy", truth, flat, "wanted a .npy, found none"),
-        (tmp_path / "none.png", truth, flat, "cannot be read"),
+        (tmp_path / "none.png", truth, flat, "found none"),
         (tmp_path / "eight.png", truth, flat, "wanted a 16-bit grey PNG, found an 8-bit one"),
         (found, truth, empty, "wanted one named found"),
         (found, truth, other, "labels: wanted"),
         (tmp_path / "empty", truth, own, "result: wanted rooms.png, or results"),
         (results / "fine", tmp_path / "empty", own, "reference: wanted label images or JSON"),
-        (results / "fine", tmp_path / "gone.png", own, "cannot be read"),
+        (results / "fine", tmp_path / "gone.png", own, "found none"),
         (results / "fine", MAPS / "flat_truth.json", own, "cells like the map, found"),
         (tmp_path / "broken", MAPS / "fine_truth.png", own, "result: wanted resolution_m and origin"),
         (results / "fine", MAPS, coarse, "wanted 0.1 m per cell as requested, found 0.05"),
@@ -303,7 +303,7 @@ def test_wrong_results_are_one_line(results: Path, tmp_path: Path) -> None:
 def test_wrong_use_is_one_line_on_stderr_and_exit_code_2(results: Path, tmp_path: Path) -> None:
     for words, message in (
         ((results / "fine", "--reference", MAPS, "--free-from", "250"), "--free-from: wanted --map"),
-        ((results / "fine", "--reference", tmp_path / "gone.json"), "file: cannot be read"),
+        ((results / "fine", "--reference", tmp_path / "gone.json"), "found none"),
         ((results / "fine", "--reference", MAPS, "--save", tmp_path / "no" / "x.rrd"), "cannot be written"),
     ):
         done = call("evaluate", *words, "-q", code=2)

@@ -429,7 +429,7 @@ def test_bare_map_and_grey_are_those_of_evaluate(tmp_path: Path) -> None:
     ("choice", "message"),
     [
         ({"only": ["nothing"]}, "maps: wanted one of 2 maps to be selected, found none"),
-        ({"reference": Path("gone.json")}, "file: cannot be read"),
+        ({"reference": Path("gone.json")}, "found none"),
         ({"free_from": 250}, "--free-from: wanted a map that is a plain image"),
     ],
 )

@@ -249,7 +249,7 @@ def test_a_folder_that_cannot_be_written_to_is_named(tmp_path: Path, command: Co
     path = small(tmp_path / "small.mcap")
     done = command("recover", path, "-o", folder / "new.mcap")
     assert (done.code, done.out) == (2, "")
-    assert done.err.startswith("vdoor: recording: cannot be written (")
+    assert done.err.startswith("vdoor: output: cannot be written (")
     assert not (folder / "new.mcap").exists()
     assert command("golden", folder).code == 2
 

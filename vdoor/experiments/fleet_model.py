@@ -57,9 +57,10 @@ class Fleet:
 
     def to_text(self) -> str:
         """Some lines."""
+        rate = f"{self.tasks:,} tasks, {self.tasks_per_s:,.1f} a second"
         return "\n".join([
             f"{self.maps:,} maps on {self.cores:,} cores: {self.wall_s:,.0f} s",
-            f"  {self.tasks:,} tasks, {self.tasks_per_s:,.1f} a second: {self.scheduler_busy:.1%} of a scheduler's core",
+            f"  {rate}: {self.scheduler_busy:.1%} of a scheduler's core",
             f"  network to the program: {self.network_mb_per_s:.2f} MB/s; results {self.result_gb:,.1f} GB",
             f"  file system: {self.file_operations_per_s:,.0f} operations a second; in use: {self.breaks_first}",
         ])  # fmt: skip
@@ -113,8 +114,11 @@ def _cpu_s(process: int) -> float:
 
 def lines(costs: Costs, maps: int, wall_s: float) -> Iterator[str]:
     """The costs, the model held against a measured run of two workers, and the model of a large fleet."""
-    yield f"a map: {costs.map_s:.3f} s of CPU, {costs.peak_mb:.0f} MB at most, results {costs.result_bytes / 1000:.1f} kB"
-    yield f"over the network {costs.row_bytes / 1000:.2f} kB a map; scheduler {costs.task_s * 1000:.2f} ms of CPU a task"
+    of_results = f"results {costs.result_bytes / 1000:.1f} kB"
+    yield f"a map: {costs.map_s:.3f} s of CPU, {costs.peak_mb:.0f} MB at most, {of_results}"
+    yield f"over the network {costs.row_bytes / 1000:.2f} kB a map"
+    yield f"scheduler {costs.task_s * 1000:.2f} ms of CPU a task"
     small = fleet(maps, 2, costs)
-    yield f"model of {maps} maps on 2 cores: {small.wall_s:.1f} s, measured {wall_s:.1f} s: {small.wall_s / wall_s - 1:+.0%}"
+    apart = f"{small.wall_s / wall_s - 1:+.0%}"
+    yield f"model of {maps} maps on 2 cores: {small.wall_s:.1f} s, measured {wall_s:.1f} s: {apart}"
     yield fleet(1_000_000, 1_000, costs).to_text()

@@ -34,7 +34,7 @@ def narrow_ways(floor: Floor, part: NDArray[np.intp], stuck: list[Point]) -> lis
     spent, before, source = scipy.sparse.csgraph.dijkstra(
         steps, directed=False, indices=np.flatnonzero(known >= 0), min_only=True, return_predecessors=True
     )
-    reached = np.where(source >= 0, known[source], -1)
+    reached = np.where(source >= 0, known[np.maximum(source, 0)], -1)  # -9999 where there is none
     ways = []
     for joint in _joints(steps, spent, reached):
         one, other = (_trace(before, node) for node in joint)
