@@ -15,7 +15,19 @@ from vdoor.cli.commands import COMMANDS
 sys.path.insert(0, str(HOME / "docs"))
 import blocks  # runs the commands of pages in the same way
 
-LONG = ("batch", "verify", "ablate", "robust", "sweep", "train", "bench", "cover-bench", "route-bench", "edit")
+LONG = (
+    "batch",
+    "verify",
+    "ablate",
+    "robust",
+    "sweep",
+    "train",
+    "bench",
+    "cover-bench",
+    "route-bench",
+    "fleet-bench",
+    "edit",
+)
 """These take long or wait for someone, and have tests of their own: their examples are parsed."""
 EXAMPLES = [(name, line) for name, _, example in COMMANDS for line in example.split("; ")]
 
