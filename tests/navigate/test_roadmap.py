@@ -76,7 +76,8 @@ def check(topology: TopologicalMap, graph: Roadmap) -> None:
     floors = shapely.get_parts(squares(topology.labels > 0)).tolist()
     found = {frozenset(part) for part in nx.connected_components(joined)}
     at = [shapely.Point(node.place) for node in graph.nodes]
-    assert found == {frozenset(i for i, place in enumerate(at) if floor.covers(place)) for floor in floors}
+    on_floor = {frozenset(i for i, place in enumerate(at) if floor.covers(place)) for floor in floors}
+    assert found == on_floor - {frozenset()}  # parts of a room that were seen as single rays have no node
 
 
 def test_it_joins_what_the_map_joins_on_the_example_maps() -> None:
