@@ -142,10 +142,11 @@ def test_maps_on_a_server_that_speaks_s3(folder: Path, tmp_path: Path) -> None:
 
 def put(url: str, data: bytes) -> None:
     """Give a server a bucket or an object; wait for it to start."""
-    request = urllib.request.Request(url, data=data, method="PUT")  # noqa: S310  # on loopback
+    plain = {"Content-Type": "application/octet-stream"}  # as a form, which urllib says, the server never answers
+    request = urllib.request.Request(url, data=data, method="PUT", headers=plain)  # noqa: S310  # on loopback
     for _ in range(100):
         try:
-            urllib.request.urlopen(request).close()  # noqa: S310
+            urllib.request.urlopen(request, timeout=20).close()  # noqa: S310
         except ConnectionError:
             time.sleep(0.1)
         except urllib.error.URLError as error:
