@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -104,7 +105,9 @@ def test_files_are_not_overwritten_unasked(result: Path, tmp_path: Path) -> None
 
 
 def test_the_default_radius_is_the_same_everywhere() -> None:
-    assert nav2.ROBOT_RADIUS_M == nav2_route.ROBOT_RADIUS_M
+    of_command = inspect.signature(nav2.nav2).parameters["robot_radius"].default
+    of_graph = inspect.signature(nav2_route.to_nav2_route).parameters["radius_m"].default
+    assert of_command == of_graph == Nav2Options().radius_m
 
 
 @pytest.mark.parametrize(

@@ -10,6 +10,7 @@ import typer
 
 from vdoor.cli.options import Force
 from vdoor.errors import VdoorError, naming, say
+from vdoor.navigate import NAV2_RADIUS_M
 
 if TYPE_CHECKING:
     from vdoor.emit import RunInfo, Sink
@@ -39,7 +40,11 @@ def export(
     robot_radius: Annotated[
         float | None,
         typer.Option(
-            "--robot-radius", min=0.001, max=10, metavar="M", help="What nav2-route keeps to walls.  [default: 0.22]"
+            "--robot-radius",
+            min=0.001,
+            max=10,
+            metavar="M",
+            help=f"What nav2-route keeps to walls.  [default: {NAV2_RADIUS_M}]",
         ),
     ] = None,
     force: Force = False,

@@ -12,19 +12,18 @@ from vdoor.cli.navigate import Radius, Running, Source
 from vdoor.cli.options import Force, MaxCells, Preset, Resolution, Seed, Set, Unknown
 from vdoor.config import DEFAULT_PRESET
 from vdoor.errors import SettingError, naming, say
+from vdoor.navigate import NAV2_RADIUS_M
 
 if TYPE_CHECKING:
     from vdoor.export import Finished
     from vdoor.topology import TopologicalMap
-
-ROBOT_RADIUS_M = 0.22  # that of vdoor.export.nav2_route, which takes a second to load; a test compares them
 
 
 def nav2(
     source: Source,
     *,
     out: Annotated[Path, typer.Option("--out", "-o", metavar="DIR", help="Folder for the files.")],
-    robot_radius: Radius = ROBOT_RADIUS_M,
+    robot_radius: Radius = NAV2_RADIUS_M,
     room: Annotated[
         list[str] | None,
         typer.Option("--room", metavar="ROOM", help="Room that stays open; repeatable; default: all rooms."),
@@ -51,8 +50,8 @@ def nav2(
     from vdoor.editing.lookup import find_room
     from vdoor.export import files_of
     from vdoor.export.nav2_folder import Nav2Options, nav2_files
-    from vdoor.files import make_folder, refuse_existing, refuse_folder
-    from vdoor.partial import write_whole
+    from vdoor.files import refuse_existing, refuse_folder
+    from vdoor.partial import together
 
     limits = [_limit(text) for text in slow or ()]
     names = Nav2Options(speed_percent=dict.fromkeys(range(len(limits)), 100)).names()
@@ -76,9 +75,12 @@ def nav2(
             door_service=door_service,
         )
         files = nav2_files(topology, out.resolve(), options, finished.annotations)
-    make_folder(out)
-    for name, data in files.items():
-        print(write_whole(out / name, data))
+    with together() as staged:
+        staged.make_folder(out)
+        for name, data in files.items():
+            staged.add(out / name, data)
+    for name in files:
+        print(out / name)
     if topology.frame.yaw_rad:
         say("note: the map lies askew; costmaps of Nav2 read maps and masks as if they did not: save the map upright")
 

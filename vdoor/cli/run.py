@@ -180,12 +180,11 @@ def _refuse_sources(written: Sequence[Path], map_file: Path, grid: OccupancyGrid
 
 def _note_left_out(grid: OccupancyGrid, topology: TopologicalMap) -> None:
     """Say how much of the free space indoors has no room, if it is more than `MOST_LEFT_OUT`."""
-    from scipy import ndimage
-
     from vdoor.method.parts import walled
+    from vdoor.raster.morphology import counted
 
     free = grid.free
-    labels, count = ndimage.label(free & (topology.labels == 0))
+    labels, count = counted(free & (topology.labels == 0))
     left_out = walled(labels, count, grid.occupied)[labels]
     share = left_out.sum() / max(int(free.sum()), 1)
     if share > MOST_LEFT_OUT:

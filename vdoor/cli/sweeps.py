@@ -55,9 +55,7 @@ def sweep(
     set_: Set = None,
     seed: Seed = 0,
     save: Annotated[Path | None, typer.Option(metavar="FILE.rrd", help="Charts as a Rerun recording.")] = None,
-    png: Annotated[
-        Path | None, typer.Option(metavar="FILE.png", help="Charts as a picture (needs matplotlib).")
-    ] = None,
+    png: Annotated[Path | None, typer.Option(metavar="FILE.png", help="Charts as a picture.")] = None,
     jobs: Jobs = 1,
     force: Force = False,
     as_json: Json = False,

@@ -12,12 +12,11 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
-import skimage
 from numpy.typing import NDArray
 
 from vdoor.frame import Frame
 from vdoor.grid import FREE, FREE_TO, OCCUPIED, UNKNOWN, OccupancyGrid
-from vdoor.method.simplify import resampled, working_frame
+from vdoor.method.simplify import any_of_block, resampled, working_frame
 
 Mask = NDArray[np.bool_]
 Ints = NDArray[np.intp]
@@ -58,7 +57,7 @@ def coarsen(sheet: Sheet, _: np.random.Generator, *, cell_m: float = COARSE_M) -
     factor = max(1, round(cell_m / sheet.grid.frame.resolution_m))
     frame = working_frame(sheet.grid.frame, factor)
     grid = OccupancyGrid(cells=resampled(sheet.grid, factor), frame=frame, source=sheet.grid.source)
-    return Sheet(grid, skimage.measure.block_reduce(sheet.free, factor, np.any) & grid.free)
+    return Sheet(grid, any_of_block(sheet.free, factor) & grid.free)
 
 
 def roughen(sheet: Sheet, rng: np.random.Generator, *, noise: float = NOISE, specks: float = SPECKS) -> Sheet:

@@ -11,10 +11,11 @@ import numpy as np
 import yaml
 
 from vdoor.errors import SettingError
-from vdoor.export.nav2_route import FULL_SPEED, ROBOT_RADIUS_M, to_nav2_route
+from vdoor.export.nav2_route import FULL_SPEED, to_nav2_route
 from vdoor.export.nav2_texts import launch_file, readme
 from vdoor.export.raster import Raster, to_keepout
 from vdoor.grid import Annotations, OccupancyGrid
+from vdoor.navigate import NAV2_RADIUS_M
 from vdoor.topology import TopologicalMap
 
 NARROW_M = 10.0
@@ -29,7 +30,7 @@ MASK_TOPIC, INFO_TOPIC = "/vdoor/{}_mask", "/vdoor/{}_info"
 class Nav2Options:
     """What is asked of the folder."""
 
-    radius_m: float = ROBOT_RADIUS_M
+    radius_m: float = NAV2_RADIUS_M
     rooms: tuple[int, ...] = ()
     """Ids of the rooms that stay open; empty for all."""
     speed_percent: Mapping[int, float] = field(default_factory=dict)

@@ -13,12 +13,11 @@ from vdoor.errors import VdoorError
 from vdoor.export.geojson import collection_text, feature
 from vdoor.export.geometry import Point, refuse_not_finite, to_mm
 from vdoor.grid import Annotations
+from vdoor.navigate import NAV2_RADIUS_M
 from vdoor.navigate.roadmap import Edge, Node, Roadmap, roadmap_of
 from vdoor.topology import TopologicalMap
 
 FRAME = "map"
-ROBOT_RADIUS_M = 0.22
-"""The radius of the robot in Nav2's own parameters."""
 FULL_SPEED = 100.0
 
 
@@ -26,7 +25,7 @@ def to_nav2_route(
     topology: TopologicalMap,
     annotations: Annotations | None = None,
     *,
-    radius_m: float = ROBOT_RADIUS_M,
+    radius_m: float = NAV2_RADIUS_M,
     speed_percent: Mapping[int, float] | None = None,
     door_service: str = "",
     open_rooms: Container[int] = (),

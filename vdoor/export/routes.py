@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from vdoor.errors import VdoorError
 from vdoor.export.geometry import Point, line_m
 from vdoor.export.path_simplification import cost, straightened
+from vdoor.navigate.roadmap_doors import apart
 from vdoor.raster.components import contacts
 from vdoor.topology import Door, Room, TopologicalMap
 
@@ -89,8 +90,7 @@ def _crossings(topology: TopologicalMap, doors: Sequence[Door]) -> Floats:
     for row, door in enumerate(doors):
         own = place[(pair == sorted(door.rooms)).all(axis=1)]
         if not len(own):
-            one, other = door.rooms
-            raise VdoorError(f"door {door.id}: wanted rooms {one} and {other} to touch, found a gap between them")
+            raise VdoorError(apart(door))
         middle = topology.frame.cell_from_world(np.array([door.start_m, door.end_m])).mean(axis=0)
         found[row] = own[np.argmin(((own - middle) ** 2).sum(axis=1))]
     return found

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from vdoor.method.doors import VirtualDoors
 from vdoor.raster.components import components
-from vdoor.raster.morphology import labelled
+from vdoor.raster.morphology import counted
 from vdoor.raster.runs import runs_of
 
 Ints = NDArray[np.int32]
@@ -49,8 +49,7 @@ def cut(free: Mask, doors: VirtualDoors, chosen: Ints) -> Pieces:
 
     region_space = free.copy()
     region_space.reshape(-1)[cell] = False
-    label = labelled(region_space)
-    regions = int(label.max(initial=0))
+    label, regions = counted(region_space)
     label.reshape(-1)[cell] = regions + 1 + atom_of_cell
     # Only door cells need checking for adjacency: regions never touch each other.
     padded = np.pad(label, 1)

@@ -15,7 +15,7 @@ from vdoor.frame import Frame
 from vdoor.grid import FREE, OCCUPIED, UNKNOWN, OccupancyGrid
 from vdoor.method.parts import large_parts, long_pieces, remaining, sills, wide_parts
 from vdoor.method.spaces import SHORTEST_DASH, Spaces, furniture, in_line, with_neighbours
-from vdoor.raster.morphology import components_of, labelled, opened, square
+from vdoor.raster.morphology import components_of, counted, opened, square
 from vdoor.raster.runs import runs_of
 from vdoor.record import Record, Spec
 
@@ -178,8 +178,7 @@ class SimplifyGrid:
         Rooms are found with the cells of walls. Of what was kept `before`, no part goes as a whole, and what is cut off
         from it must be wide to be a room.
         """
-        labels = labelled(free)
-        count = int(labels.max(initial=0))
+        labels, count = counted(free)
         if count == 0:
             raise MapError(
                 f"the map has no free cell at {frame.resolution_m:g} m per cell, so there is nothing to divide"

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from vdoor.raster.morphology import components_of, covered, greatest, labelled, opened, room_for, square
+from vdoor.raster.morphology import components_of, counted, covered, greatest, labelled, opened, room_for, square
 
 Ints = NDArray[np.int32]
 Mask = NDArray[np.bool_]
@@ -47,8 +47,7 @@ class Spaces:
         """
         element = disc(wide + 1)
         room = room_for(free, element)
-        centre = labelled(room)
-        count = int(centre.max(initial=0))
+        centre, count = counted(room)
         label = greatest(centre, element, count)
         lowest = count + 1 - greatest((count + 1 - centre) * room, element, count)
         gap = (label > 0) & (label != lowest)  # covered by robots in two spaces

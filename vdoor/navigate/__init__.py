@@ -2,6 +2,8 @@
 
 ROBOT_RADIUS_M = 0.17
 """The radius of a usual robot vacuum."""
+NAV2_RADIUS_M = 0.22
+"""The radius of the robot in Nav2's own parameters."""
 TOOL_M = 0.30
 """The width of its tool."""
 TRADE, LEAVE = 0.24, 0.02

@@ -60,7 +60,7 @@ def door_places(topology: TopologicalMap, space: Space) -> list[DoorPlace]:
     for row, door in enumerate(topology.doors):
         own = np.flatnonzero(owner == row)
         if not len(own):
-            raise VdoorError(_apart(door))
+            raise VdoorError(apart(door))
         beside = [tuple(end(place[own]).astype(np.intp).T) for end in (np.floor, np.ceil)]
         passable = space.allowed[beside[0]] & space.allowed[beside[1]]
         middle = topology.frame.cell_from_world(np.array([door.start_m, door.end_m])).mean(axis=0)
@@ -93,6 +93,7 @@ def _made(door: int, place: Floats, rooms: NDArray[np.int32], passable: bool, ma
     return DoorPlace(door, (row, col), ((first, tuple(one)), (second, tuple(other))), passable, main)
 
 
-def _apart(door: Door) -> str:
+def apart(door: Door) -> str:
+    """What is wrong with a door whose rooms do not touch."""
     one, other = door.rooms
     return f"door {door.id}: wanted rooms {one} and {other} to touch, found a gap between them"

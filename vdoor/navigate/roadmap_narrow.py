@@ -7,7 +7,6 @@ import scipy
 from numpy.typing import NDArray
 
 from vdoor.navigate.roadmap_floor import Floor, cell_of
-from vdoor.raster.components import components
 
 Point = tuple[float, float]
 Ints = NDArray[np.int64]
@@ -62,15 +61,13 @@ def _joints(steps: scipy.sparse.csr_array, spent: Floats, part: NDArray[np.intp]
     meet = np.flatnonzero((part[pairs.row] < part[pairs.col]) & (part[pairs.row] >= 0))
     meet = meet[np.argsort(cost[meet], kind="stable")]
     joined: list[tuple[int, int]] = []
-    links = np.zeros((2, 0), np.intp)
-    count = int(part.max(initial=-1)) + 1
-    group = np.arange(count)
+    group = np.arange(int(part.max(initial=-1)) + 1)
     for at in meet.tolist():
         one, other = int(pairs.row[at]), int(pairs.col[at])
-        if group[part[one]] != group[part[other]]:
+        into, of = group[part[one]], group[part[other]]
+        if into != of:
             joined.append((one, other))
-            links = np.concatenate([links, [[part[one]], [part[other]]]], axis=1)
-            group = components(links, count)
+            group[group == of] = into
     return joined
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import skimage
 from numpy.typing import NDArray
 
 from vdoor.raster.morphology import distances, exact, labelled
@@ -18,15 +19,18 @@ def at_input(working: Ints, factor: int, free: Mask) -> Ints:
     return fine[: free.shape[0], : free.shape[1]] * free
 
 
+def parts_of(labels: Ints) -> Ints:
+    """The 4-connected part (h, w) of each labelled cell, numbered from 1 in reading order; 0 elsewhere."""
+    return np.asarray(skimage.measure.label(labels, connectivity=1, background=0), np.int32)
+
+
 def whole(labels: Ints) -> Ints:
     """The labels, each restricted to its largest 4-connected part; of equally large ones the first.
 
     Cells that are connected at the working resolution may not be at the input's, as behind a line of unknown cells or
     inside furniture. Flooding later assigns those that are reachable to a room again.
     """
-    from skimage.measure import label as label_cells  # noqa: PLC0415  # reading a result does not need it
-
-    part = label_cells(labels, connectivity=1, background=0)
+    part = parts_of(labels)
     runs = runs_of(part)
     cells = runs.cells(int(part.max(initial=0)))
     of_part = np.zeros(len(cells), np.int32)

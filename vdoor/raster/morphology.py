@@ -53,8 +53,14 @@ class Components:
 
 def labelled(mask: Mask, connectivity: int = 1) -> Ints:
     """The component (h, w) of each cell, as in `Components`; 4-connected (1) or 8-connected (2)."""
+    return counted(mask, connectivity)[0]
+
+
+def counted(mask: Mask, connectivity: int = 1) -> tuple[Ints, int]:
+    """The same, and the number of components."""
     ways = 4 * connectivity
-    return np.asarray(cv2.connectedComponentsWithAlgorithm(bytes_of(mask), ways, cv2.CV_32S, cv2.CCL_SAUF)[1], np.int32)
+    count, label = cv2.connectedComponentsWithAlgorithm(bytes_of(mask), ways, cv2.CV_32S, cv2.CCL_SAUF)
+    return np.asarray(label, np.int32), count - 1
 
 
 def components_of(mask: Mask, connectivity: int = 1) -> Components:

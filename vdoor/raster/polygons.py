@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import scipy
-import skimage
 from numpy.typing import NDArray
 
 from vdoor.raster.contours import CRACK_START, Contours, follow
+from vdoor.raster.labels import parts_of
 from vdoor.raster.runs import runs_of
 
 Ints = NDArray[np.int32]
@@ -33,12 +33,12 @@ def polygons(label: Ints) -> tuple[Ints, Ints, Ints]:
     outer ring of the next part, and so on. Outer rings run one way and holes the other; each ends with its first
     vertex.
     """
-    contours = follow(label, cross_corners=True)
-    part = label
-    if _in_parts(contours, label):
-        part = np.asarray(skimage.measure.label(label, connectivity=1), np.int32)  # type: ignore[no-untyped-call]
-        contours = follow(part, cross_corners=True)
+    part, contours = label, follow(label, cross_corners=True)
     bends, corner = _bends(contours)
+    if _in_parts(contours, label, np.column_stack([contours.contour[bends], corner])):
+        part = parts_of(label)
+        contours = follow(part, cross_corners=True)
+        bends, corner = _bends(contours)
     at = contours.cell[contours.first].T
     owner, own_part = label[*at], part[*at]
     size = np.bincount(part.ravel())[own_part] if part is not label else np.zeros(len(owner), np.intp)
@@ -66,9 +66,10 @@ def _bends(contours: Contours) -> tuple[NDArray[np.intp], Ints]:
     return bends, contours.cell[bends] + CRACK_START[contours.heading[bends]]
 
 
-def _in_parts(contours: Contours, label: Ints) -> bool:
-    """Whether a label has several outer rings, or one that touches itself where two of its parts meet at a corner."""
+def _in_parts(contours: Contours, label: Ints, vertex: NDArray[np.integer]) -> bool:
+    """Whether a label has several outer rings, or one that touches itself where two of its parts meet at a corner.
+
+    `vertex` (n, 3) are the vertices of all rings, each with the number of its ring.
+    """
     owner = label[*contours.cell[contours.first[contours.outer]].T]
-    bends, corner = _bends(contours)
-    vertex = np.column_stack([contours.contour[bends], corner])
     return len(np.unique(owner)) < len(owner) or len(np.unique(vertex, axis=0)) < len(vertex)

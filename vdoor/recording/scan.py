@@ -24,7 +24,7 @@ HEADER = struct.Struct("<BQ")
 """Kind and content length of a record."""
 MESSAGE_HEADER = struct.Struct("<HIQQ")
 """Channel, sequence, log time, publish time."""
-NOTHING, FOOTER, SCHEMA, CHANNEL, MESSAGE, DATA_END = 0, 2, 3, 4, 5, 15
+NOTHING, FOOTER, SCHEMA, CHANNEL, MESSAGE = 0, 2, 3, 4, 5
 CHUNK_BESIDE = 2**24
 """Bytes of a chunk beside its largest message."""
 CHUNK_TO = 4 * 100_000_000 + CHUNK_BESIDE

@@ -6,7 +6,6 @@ from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
-import scipy
 from numpy.typing import NDArray
 
 from vdoor.export.report.sheet import Layer, Sheet, colour_text
@@ -14,6 +13,7 @@ from vdoor.grid import OccupancyGrid
 from vdoor.history.provenance import Provenance
 from vdoor.history.records import RunRecords
 from vdoor.method.simplify import REASONS, SimplifiedGrid
+from vdoor.raster.morphology import components_of
 from vdoor.topology import TopologicalMap
 from vdoor.viz.rerun import style
 
@@ -89,13 +89,12 @@ def _places(lost: NDArray[np.bool_], provenance: Provenance, area_m2: float) -> 
     codes = _reasons(provenance.run, lost)
     least_m2 = _least_part_m2(provenance)
     for code in np.unique(codes[lost]).tolist():
-        labels, count = scipy.ndimage.label(lost & (codes == code), np.ones((3, 3)))
-        cells = np.bincount(labels.ravel(), minlength=count + 1)
-        boxes = scipy.ndimage.find_objects(labels)
-        for number in np.flatnonzero(cells[1:] * area_m2 >= LEAST_M2).tolist():
-            size = int(cells[number + 1])
-            word = "" if code < 0 else REASONS[code]
-            yield Place(size, _middle(labels, number + 1, boxes[number]), _why(word, size * area_m2, least_m2))
+        found = components_of(lost & (codes == code), 2)
+        word = "" if code < 0 else REASONS[code]
+        for number in np.flatnonzero(found.cells * area_m2 >= LEAST_M2).tolist():
+            size = int(found.cells[number])
+            middle = _middle(found.label, number, found.box(number))
+            yield Place(size, middle, _why(word, size * area_m2, least_m2))
 
 
 def _reasons(run: RunRecords, lost: NDArray[np.bool_]) -> NDArray[np.int16]:

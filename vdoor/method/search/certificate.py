@@ -194,10 +194,9 @@ def blocks(problem: MergeProblem) -> list[Index]:
 
 def _touching(problem: MergeProblem) -> Index:
     """Pairs (2, k) of doors that cover the same node or neighbouring nodes."""
-    count = np.diff(np.append(problem.cover_start, len(problem.cover_edge)))
-    node = problem.regions + np.repeat(np.arange(len(count)), count)
+    edge, node = problem.adjacency.covers
     size = problem.edges, len(problem.cells)
-    covers = scipy.sparse.coo_array((np.ones(len(node)), (problem.cover_edge, node)), shape=size).tocsr()
+    covers = scipy.sparse.coo_array((np.ones(len(node)), (edge, node)), shape=size).tocsr()
     links = scipy.sparse.coo_array((np.ones(len(problem.links[0])), problem.links), shape=(size[1], size[1])).tocsr()
     beside = covers @ (links + links.T)
     return np.stack((covers @ covers.T + beside @ covers.T).nonzero())

@@ -12,6 +12,7 @@ from vdoor.grid import FREE_TO, OCCUPIED_FROM, OccupancyGrid
 from vdoor.history.records import RunRecords
 from vdoor.method.boundary import BoundaryPath
 from vdoor.method.simplify import REASONS
+from vdoor.raster.contours import STEP
 from vdoor.viz.marks.kinds import Arrows, Cells, Colour, Dots, Lines, Mark, Places, path_name
 from vdoor.viz.rerun import style
 from vdoor.viz.rerun.restrictions import restrictions
@@ -92,7 +93,7 @@ def walk(run: RunRecords) -> Iterator[Mark]:
     path = run.path
     yield from boundary(run)
     shown = np.arange(0, len(path.cell), max(len(path.cell) // ARROWS, 1))
-    by = STEPS[path.heading[shown]] * max(path.frame.height, path.frame.width) * ARROW_CELLS
+    by = STEP[path.heading[shown]] * max(path.frame.height, path.frame.width) * ARROW_CELLS
     at = path.half[shown] / 2 - 0.5
     yield Arrows(
         name="direction",
@@ -102,10 +103,6 @@ def walk(run: RunRecords) -> Iterator[Mark]:
         colour=style.WALKER,
         meaning="direction of the walk, wall on the left",
     )
-
-
-STEPS = np.array([(0, 1), (-1, 0), (0, -1), (1, 0)])
-"""Row and column by heading: east, north, west, south."""
 
 
 def rings(path: BoundaryPath) -> list[Places]:

@@ -11,7 +11,7 @@ from vdoor.viz.picture.sheet import FONT, LINE_PX, POINTS_PER_PX, Entry, Sheet, 
 
 LEFT_PX, RIGHT_PX, BOTTOM_PX = 62.0, 12.0, 44.0
 """Room for the numbers and names of the axes."""
-DOTTED = {"marker": "o", "linestyle": "none", "markeredgewidth": 0, "markersize": 3}
+DOTTED: dict[str, Any] = {"marker": "o", "linestyle": "none", "markeredgewidth": 0, "markersize": 3}
 SMALL = 11 * POINTS_PER_PX
 
 
@@ -24,9 +24,7 @@ def draw_chart(sheet: Sheet, box: Box, chart: Chart) -> None:
     inner = Box(box.left + LEFT_PX, box.top + head, across, max(box.height - head - BOTTOM_PX, 20.0))
     axes = sheet.axes(inner)
     for order, curve in enumerate(chart.curves):
-        look: dict[str, Any] = (
-            {"marker": "o", "linestyle": "none", "markeredgewidth": 0, "markersize": 3} if curve.dotted else {}
-        )
+        look = DOTTED if curve.dotted else {}
         axes.plot(curve.x, curve.y, color=hex_of(curve.colour), linewidth=1.2, zorder=3 + order, **look)
     for height, colour, _ in chart.levels:
         axes.axhline(height, color=hex_of(colour), linewidth=1.2, linestyle="--", zorder=2.5)

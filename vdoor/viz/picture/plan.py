@@ -30,6 +30,7 @@ ARROW: dict[str, Any] = {
     "scale_units": "xy",
     "scale": 1,
     "units": "dots",
+    "pivot": "tail",
     "headwidth": 6,
     "headlength": 7,
     "headaxislength": 6,
@@ -105,15 +106,7 @@ def _draw(axes: Axes, window: Window, mark: Mark, px_per_m: float, zorder: float
     elif isinstance(mark, Arrows):
         start, end = (window.points(cell, mark.frame) for cell in (mark.cell, mark.cell + mark.vector))
         by = end - start
-        look: dict[str, Any] = {"angles": "xy", "scale_units": "xy", "scale": 1, "units": "dots", "pivot": "tail"}
-        shape: dict[str, Any] = {
-            "width": mark.wide_px,
-            "headwidth": 6,
-            "headlength": 7,
-            "headaxislength": 6,
-            "minlength": 0,
-        }
-        axes.quiver(*start.T, *by.T, color=hex_of(mark.colour), zorder=zorder, **look, **shape)
+        axes.quiver(*start.T, *by.T, color=hex_of(mark.colour), width=mark.wide_px, zorder=zorder, **ARROW)
 
 
 def crowded(count: int) -> float:
