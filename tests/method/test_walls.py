@@ -281,7 +281,7 @@ def test_spaces_turn_and_mirror_with_the_map(cells: Cells, wide: int) -> None:
         moved = Spaces.of(np.ascontiguousarray(move(free)), wide)
         assert (moved.gap == move(found.gap)).all()
         assert (moved.narrow == move(found.narrow)).all()
-        assert ((moved.label > 0) == move(found.label > 0)).all()
+        assert (moved.runs.mask() == move(found.runs.mask())).all()
 
 
 @law
@@ -298,7 +298,8 @@ def test_opening_is_that_of_scipy(cells: Cells, side: int) -> None:
 def test_closing_gaps_leaves_each_part_of_the_free_space_one_space(cells: Cells, wide: int) -> None:
     spaces = Spaces.of(cells == FREE, wide)
     part, _ = ndimage.label((cells == FREE) & ~spaces.gap)
-    pairs = np.unique(np.stack([part[spaces.label > 0], spaces.label[spaces.label > 0]]), axis=1)
+    label = spaces.runs.image()
+    pairs = np.unique(np.stack([part[label > 0], label[label > 0]]), axis=1)
     assert len(np.unique(pairs[0])) == pairs.shape[1]
 
 

@@ -13,9 +13,9 @@ from vdoor.frame import Frame
 from vdoor.grid import FREE
 from vdoor.method.initial_map import InitialMap
 from vdoor.method.simplify import REASONS, SimplifiedGrid
-from vdoor.method.spaces import with_neighbours
 from vdoor.raster.components import contact_pieces, contacts
 from vdoor.raster.lines import lines_between
+from vdoor.raster.morphology import with_neighbours
 from vdoor.topology import KINDS
 
 Floats = NDArray[np.float64]

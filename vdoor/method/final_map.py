@@ -51,7 +51,8 @@ class MergeRooms:
     ) -> TopologicalMap:
         """Rooms and doors; kept doors that separate nothing are dropped, unless the search already removed them."""
         room_of_piece, rows = merged(problem, best.removed)
-        working = np.append(0, room_of_piece)[initial.piece]
+        pieces = runs_of(initial.piece)
+        working = pieces.labelled(room_of_piece[pieces.label - 1]).image()
         labels = whole(at_input(working, simplified.factor, grid.free))
         if not self.passages:
             inner = at_input((simplified.cells == FREE).astype(np.int32), simplified.factor, grid.free) > 0
@@ -120,13 +121,15 @@ def map_of(
     labels: Ints, frame: Frame, doors: Doors, features: Features, names: Mapping[int, str] | None = None
 ) -> TopologicalMap:
     """The topological map of room ids (h, w), which need not be consecutive; `names` by id, for rooms that have one."""
-    ids, rank = ranked(labels)
-    vertex, vertex_room, vertex_ring = polygons(labels)
-    cells = runs_of(rank).cells(len(ids))
+    runs = runs_of(labels)
+    ids = np.unique(runs.label)
+    ranked = runs.labelled(np.searchsorted(ids, runs.label).astype(np.int32) + 1)
+    vertex, vertex_room, vertex_ring = polygons(runs)
+    cells = ranked.cells(len(ids))
     all_names = tuple((names or {}).get(room, "") for room in ids.tolist())
     return TopologicalMap(
         labels=labels,
-        centre=centres(rank, len(ids)),
+        centre=centres(ranked, len(ids)),
         area_m2=cells.astype(np.float64) * frame.resolution_m**2,
         name=all_names if any(all_names) else (),
         **doors._asdict(),
@@ -139,11 +142,3 @@ def map_of(
         vertex_ring=vertex_ring,
         frame=frame,
     )
-
-
-def ranked(labels: Ints) -> tuple[Ints, Ints]:
-    """The labels in use except 0, ascending, and the rank (h, w) of each cell's label among them, from 1; 0 stays 0."""
-    ids = np.unique(runs_of(labels).label)
-    if len(ids) == ids.max(initial=0):
-        return ids, labels
-    return ids, np.searchsorted(np.append(0, ids), labels).astype(np.int32)

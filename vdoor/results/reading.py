@@ -22,8 +22,9 @@ from vdoor.frame import Frame
 from vdoor.grid import FREE, OCCUPIED, UNKNOWN, Annotations, OccupancyGrid
 from vdoor.history.provenance import Provenance, facts_of
 from vdoor.method.final_doors import Doors
-from vdoor.method.final_map import Features, map_of, ranked
+from vdoor.method.final_map import Features, map_of
 from vdoor.pipeline import RECORDS
+from vdoor.raster.runs import runs_of
 from vdoor.record import TEXT
 from vdoor.recording.mcap import read_recording
 from vdoor.results.annotations import read_table as annotations_in
@@ -173,7 +174,7 @@ def _frame(document: dict[str, Any], shape: tuple[int, ...]) -> Frame:
 def _rooms(tables: list[dict[str, Any]], labels: Ints) -> set[int]:
     """The ids of the rooms; raises `VdoorError` unless they ascend and are those of the label image."""
     ids = [table["id"] for table in tables]
-    found = ranked(labels)[0].tolist()
+    found = np.unique(runs_of(labels).label).tolist()
     if not found or ids != found or any(type(room) is not int for room in ids):
         rooms = f"{len(ids)} rooms in map.json and {len(found)} in rooms.png"
         raise VdoorError(f"result: wanted the same rooms in both, sorted by id, found {rooms}")
