@@ -1,4 +1,9 @@
-"""Names of a package that are imported on first use, so that nobody waits for modules that they do not use."""
+"""Names of a package that are imported on first use, so that nobody waits for modules that they do not use.
+
+>>> attribute = on_first_use("vdoor", {"frame": ("Frame",)})
+>>> attribute("Frame").__name__
+'Frame'
+"""
 
 from __future__ import annotations
 
