@@ -50,10 +50,10 @@ class MergeRooms:
         """Rooms and doors; kept doors that separate nothing are dropped, unless the search already removed them."""
         room_of_piece, rows = merged(problem, best.removed)
         pieces = runs_of(initial.piece)
-        working = pieces.labelled(room_of_piece[pieces.label - 1]).image()
-        labels = whole(at_input(working, simplified.factor, grid.free))
+        rooms = pieces.labelled(room_of_piece[pieces.label - 1])
+        labels = whole(at_input(rooms.image(), simplified.factor, grid.free))
         if not self.passages:
-            inner = at_input((simplified.cells == FREE).astype(np.int32), simplified.factor, grid.free) > 0
+            inner = at_input(simplified.cells == FREE, simplified.factor, grid.free)
             labels = handed_on(flooded(labels, inner), grid.free)
             if self.half_seen_m > 0:
                 labels = half_seen(labels, grid.free, ~grid.occupied, self.half_seen_m / grid.frame.resolution_m)

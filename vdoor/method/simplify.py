@@ -15,7 +15,7 @@ from vdoor.frame import Frame
 from vdoor.grid import FREE, OCCUPIED, UNKNOWN, OccupancyGrid
 from vdoor.method.parts import large_parts, long_pieces, remaining, sides_of, sills, wide_parts
 from vdoor.method.spaces import SHORTEST_DASH, Spaces, furniture, in_line
-from vdoor.raster.morphology import opened, square, with_neighbours
+from vdoor.raster.morphology import in_bands, opened, square, with_neighbours
 from vdoor.raster.runs import Runs, parts_of_mask
 from vdoor.record import Record, Spec
 
@@ -139,6 +139,7 @@ class SimplifyGrid:
                 thick, long = cells_in(DASH_THICK_M, frame), cells_in(DASH_LONG_M, frame)
                 line = in_line(free, wide=gap, thick=thick, least=max(long, SHORTEST_DASH + 1))
             islands = small_islands(free & ~line, max(1, round(self.max_island_m / frame.resolution_m))) & ~free
+            del line
         if gap:
             known = free & ~thin
             goes = furniture(
@@ -290,7 +291,7 @@ def small_islands(free: Mask, size: int) -> Mask:
 
 def narrower(free: Mask, thick: int) -> Mask:
     """The free cells that are in no free square with sides of more than `thick` cells."""
-    return free & ~opened(free, square(thick + 1))
+    return in_bands(lambda some: some & ~opened(some, square(thick + 1)), free, 2 * thick)
 
 
 def touches(free: Mask) -> Mask:

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vdoor.method.space_numbers import SpaceNumbers
-from vdoor.raster.morphology import covered, labelled, opened, room_for, square, with_neighbours
+from vdoor.raster.morphology import covered, in_bands, labelled, opened, room_for, square, with_neighbours
 from vdoor.raster.runs import Runs, beside, parts_of_mask, runs_of
 
 Ints = NDArray[np.int32]
@@ -50,7 +50,10 @@ class Spaces:
         room = room_for(free, element)
         numbers = SpaceNumbers.of(room, element)
         gap = numbers.gap()
-        gap |= between_sides(free & (~numbers.mask | reached_from_two_sides(room, element)), numbers)
+        narrow = in_bands(lambda some: reached_from_two_sides(some, element), room, 2 * len(element))
+        narrow |= ~numbers.mask
+        narrow &= free
+        gap |= between_sides(narrow, numbers)
         gap |= between_sides(free & ~opened(free, square(wide + 1)), numbers)
         runs = runs_of(numbers.mask & ~gap)
         narrow = free & ~numbers.mask
@@ -98,6 +101,11 @@ def in_line(free: Mask, *, wide: int, thick: int, least: int) -> Mask:
 
     Dashes are at most `thick` cells thick, and one of the two is at least `least` cells long.
     """
+    reach = 2 * thick + 2 * least + 2 * wide
+    return in_bands(lambda some: _in_line(some, wide=wide, thick=thick, least=least), free, reach)
+
+
+def _in_line(free: Mask, *, wide: int, thick: int, least: int) -> Mask:
     found = np.zeros_like(free)
     for turn in (np.asarray, np.transpose):
         thin = ~free & ~opened(~free, turn(square(thick + 1)[:, :1]))

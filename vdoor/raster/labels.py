@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import TypeVar
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -11,12 +13,15 @@ from vdoor.raster.runs import parts_of_mask, parts_of_runs, runs_of, steps_withi
 Ints = NDArray[np.int32]
 Cells = NDArray[np.int64]
 Mask = NDArray[np.bool_]
+Cell = TypeVar("Cell", bound=np.generic)
 
 
-def at_input(working: Ints, factor: int, free: Mask) -> Ints:
-    """The labels of the working grid at the input's resolution, on its free cells only."""
-    fine = working.repeat(factor, axis=0).repeat(factor, axis=1) if factor > 1 else working
-    return fine[: free.shape[0], : free.shape[1]] * free
+def at_input(working: NDArray[Cell], factor: int, free: Mask) -> NDArray[Cell]:
+    """The labels, or the mask, of the working grid at the input's resolution, on its free cells only."""
+    fine = working.repeat(factor, axis=0).repeat(factor, axis=1) if factor > 1 else working.copy()
+    fine = fine[: free.shape[0], : free.shape[1]]
+    np.putmask(fine, ~free, 0)
+    return fine
 
 
 def whole(labels: Ints) -> Ints:
@@ -34,6 +39,8 @@ def whole(labels: Ints) -> Ints:
     lesser = np.append(False, of_part[order][1:] == of_part[order][:-1])[: len(order)]
     gone = np.zeros(len(cells) + 1, np.bool_)
     gone[order[lesser] + 1] = True
+    if not gone.any():
+        return labels
     found = labels.copy()
     found.reshape(-1)[part.chosen(gone).flat()] = 0
     return found
@@ -69,6 +76,8 @@ def handed_on(labels: Ints, free: Mask) -> Ints:
     stays 0.
     """
     pieces = parts_of_mask(free & (labels == 0))
+    if not pieces.most:
+        return labels
     cell, piece = pieces.flat(), np.repeat(pieces.label, pieces.length)
     target, source = _beside(cell, labels.shape)
     near = labels.reshape(-1)[target]
@@ -90,7 +99,10 @@ def half_seen(labels: Ints, free: Mask, open_: Mask, reach: float) -> Ints:
     unknown. Cells with gaps between them that are at most twice as wide get one label, that of `handed_on`.
     """
     away = np.arange(-int(reach), int(reach) + 1)
-    near = covered(free & (labels == 0), np.hypot(away[:, None], away) <= reach)
+    apart = free & (labels == 0)
+    if not apart.any():
+        return labels
+    near = covered(apart, np.hypot(away[:, None], away) <= reach)
     near &= open_
     found = handed_on(labels, near)
     np.putmask(found, ~free, 0)

@@ -5,6 +5,7 @@ An element is a small mask (j, k); where it fits is indexed by its middle cell, 
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import cv2
@@ -16,6 +17,8 @@ Mask = NDArray[np.bool_]
 
 CROSS = np.array([[0, 1, 0], [1, 1, 1], [0, 1, 0]], np.bool_)
 """A cell and its four neighbours."""
+BAND_CELLS = 1 << 22
+"""Cells of a raster that are worked on at a time: a mask of so many fits a processor's cache."""
 EXACT_CELLS = 2000
 """Distances up to this, in cells, have squares that are found exactly from OpenCV's 24 bits."""
 
@@ -38,6 +41,22 @@ def counted(mask: Mask, connectivity: int = 1) -> tuple[Ints, int]:
 def bytes_of(mask: Mask) -> NDArray[np.uint8]:
     """A mask as bytes, row by row, without a copy if it lies so."""
     return np.ascontiguousarray(mask).view(np.uint8)
+
+
+def in_bands(of: Callable[[Mask], Mask], mask: Mask, reach: int) -> Mask:
+    """The result (h, w) of a function of a mask, made for some rows at a time, which takes little memory.
+
+    A cell of the result may depend on the rows up to `reach` away only.
+    """
+    height, width = mask.shape
+    rows = max(BAND_CELLS // max(width, 1), 1)
+    if rows >= height:
+        return of(mask)
+    found = np.empty_like(mask)
+    for top in range(0, height, rows):
+        first = max(top - reach, 0)
+        found[top : top + rows] = of(mask[first : top + rows + reach])[top - first :][:rows]
+    return found
 
 
 def room_for(mask: Mask, element: Mask, *, outside: bool = False) -> Mask:
