@@ -94,11 +94,8 @@ class Apartment:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Home:
-    """Settings of one home; what comes as `_min` and `_max` is drawn in between.
-
-    Raises `SettingError` for values that no home can have.
-    """
+class Dwelling:
+    """What all homes have: a plan, what stands in it, how it lies; what comes as `_min` and `_max` is drawn between."""
 
     area_min_m2: float = 16.0
     """Between the outer walls; drawn evenly on a logarithmic scale."""
@@ -152,6 +149,25 @@ class Home:
     """Left free before both sides of a door by small things."""
     shafts: float = 0.5
     """Mean number of chimneys and shafts in the corners of rooms."""
+    left_out_chance: float = 0.2
+    """Chance of a home in which a room was not visited."""
+    rotated_chance: float = 0.35
+    """Chance of a home that does not lie straight: by up to 6 degrees, two in five of them by up to 45."""
+    cell_m: float = 0.05
+
+    def __post_init__(self) -> None:
+        """Check every value against what can be drawn."""
+        _check(self, HOME_BOUNDS)
+        _check_order(self)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Home(Dwelling):
+    """Settings of one home as a robot vacuum maps it.
+
+    Raises `SettingError` for values that no home can have.
+    """
+
     windows: float = 0.7
     """Mean number of windows through which scan rays leave."""
     holes_chance: float = 0.5
@@ -179,16 +195,42 @@ class Home:
     """Gaps in dashed walls have one to three cells, and not more than this unless a cell is larger."""
     antialiased_chance: float = 0.05
     """Chance of a home whose walls, all or some, have grey edges, which are unknown, around an occupied core."""
-    left_out_chance: float = 0.2
-    """Chance of a home in which a room was not visited."""
-    rotated_chance: float = 0.35
-    """Chance of a home that does not lie straight: by up to 6 degrees, two in five of them by up to 45."""
-    cell_m: float = 0.05
 
-    def __post_init__(self) -> None:
-        """Check every value against what can be drawn."""
-        _check(self, HOME_BOUNDS)
-        _check_order(self)
+
+@dataclass(frozen=True, kw_only=True)
+class LaserHome(Dwelling):
+    """Settings of one home as a robot with a laser scanner maps it by SLAM.
+
+    Raises `SettingError` for values that no home can have.
+    """
+
+    area_min_m2: float = 24.0
+    area_max_m2: float = 150.0
+    clutter_min_per_m2: float = 0.3
+    clutter_max_per_m2: float = 2.0
+    rotated_chance: float = 0.9
+    scans_min_per_m2: float = 0.4
+    """Places that the robot scans from: drawn per home, from here to `scans_max_per_m2`."""
+    scans_max_per_m2: float = 1.2
+    rays: int = 360
+    """Of one scan."""
+    range_min_m: float = 3.5
+    """As far as the scanner sees: drawn per home, on a logarithmic scale, from here to `range_max_m`."""
+    range_max_m: float = 12.0
+    noise_max_m: float = 0.04
+    """Standard deviation of a range: drawn per home from 0 to this."""
+    drift_max_m: float = 0.08
+    """Standard deviation of a room's place: drawn per home from 0 to this. Walls seen from two rooms are double."""
+    drift_max_deg: float = 0.8
+    hit_share_min: float = 0.05
+    """A cell is occupied if this share of the rays that reach it end in it: drawn per home, up to `hit_share_max`."""
+    hit_share_max: float = 0.25
+    glass: float = 1.2
+    """Mean number of windows down to the floor: most rays go through, and some of those come back from outside."""
+    people: float = 0.7
+    """Mean number of walks past the scanner."""
+    unvisited_chance: float = 0.25
+    """Chance of a home with a room that is seen through its doors only."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -356,6 +398,15 @@ HOME_BOUNDS: Bounds = MappingProxyType(
         "windows": (0.0, 20.0),
         "specks": (0.0, 100.0),
         "unknown_max": (0.0, 0.9),
+        "scans_per_m2": (0.05, 10.0),
+        "rays": (30, 4000),
+        "range_m": (1.0, 30.0),
+        "noise_max_m": (0.0, 0.2),
+        "drift_max_m": (0.0, 0.3),
+        "drift_max_deg": (0.0, 10.0),
+        "hit_share": (0.01, 0.9),
+        "glass": (0.0, 20.0),
+        "people": (0.0, 20.0),
         "cell_m": (0.025, 0.05),  # walls are drawn for cells no larger
         **HOMES_AND_OFFICES,
     }
