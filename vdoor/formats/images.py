@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 import numpy as np
+from numpy.typing import NDArray
 from PIL import Image, UnidentifiedImageError
 
 from vdoor.errors import MapError
@@ -99,8 +100,20 @@ def _brightness(image: Image.Image) -> GreyImage:
     for top in range(0, image.height, rows):
         bottom = min(top + rows, image.height)
         channels = np.asarray(image.crop((0, top, image.width, bottom)).convert("RGBA"))
-        # ITU-R 601 luma in the integer arithmetic of GraphicsMagick, with which Nav2 reads images: greys stay exact.
-        luma[top:bottom] = channels[..., :3].astype(np.uint32) @ np.array([306, 601, 117], np.uint32) >> 10
         opaque[top:bottom] = channels[..., 3] == OPAQUE
-        coloured += int(np.count_nonzero(np.ptp(channels[..., :3], axis=2)[opaque[top:bottom]] > GREYISH))
+        luma[top:bottom], spread = _luma(channels)
+        coloured += int(np.count_nonzero(spread[opaque[top:bottom]] > GREYISH)) if spread.any() else 0
     return GreyImage(samples=luma, opaque=None if opaque.all() else opaque, coloured=coloured)
+
+
+def _luma(channels: NDArray[np.uint8]) -> tuple[NDArray[np.uint8], NDArray[np.uint8]]:
+    """The brightness (h, w) of pixels (h, w, 3 or more), and the largest difference between their colours.
+
+    ITU-R 601 luma in the integer arithmetic of GraphicsMagick, with which Nav2 reads images: greys stay exact.
+    """
+    red, green, blue = (np.ascontiguousarray(channels[..., at]) for at in range(3))
+    spread = np.maximum(np.maximum(red, green), blue) - np.minimum(np.minimum(red, green), blue)
+    if not spread.any():
+        return red, spread
+    luma = (red.astype(np.uint32) * 306 + green.astype(np.uint32) * 601 + blue.astype(np.uint32) * 117) >> 10
+    return luma.astype(np.uint8), spread
