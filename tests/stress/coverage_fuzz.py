@@ -114,7 +114,7 @@ def main(kind: str, seconds: str) -> None:
     for folder in (corpus, found):
         folder.mkdir(parents=True, exist_ok=True)
     write_seeds(kind, corpus)
-    with tempfile.TemporaryDirectory(dir="/dev/shm") as folder:  # noqa: S108  # in memory, for speed
+    with tempfile.TemporaryDirectory(dir="/dev/shm") as folder:  # in memory, for speed
         words = [sys.argv[0], str(corpus), *LIMITS, f"-artifact_prefix={found}/", f"-max_total_time={seconds}"]
         atheris.Setup(words, target(kind, found, Path(folder)), enable_python_coverage=True)
         child = os.fork()  # libFuzzer ends its process

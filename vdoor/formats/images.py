@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import io
+import os
 import struct
 import warnings
 import zlib
@@ -21,6 +23,7 @@ from vdoor.grid import OccupancyGrid
 
 FORMATS = ("PNG", "BMP", "TIFF")
 OPAQUE = 255
+STDERR = 2
 GREYISH = 16
 """Largest difference between the channels of a pixel that counts as grey."""
 BAND = 1 << 20
@@ -50,7 +53,8 @@ def decode(data: bytes, *, max_cells: int) -> GreyImage:
         return pgm.decode(data, max_cells=max_cells)
     with _pillow(), Image.open(io.BytesIO(data), formats=FORMATS) as image:
         check_size(image.height, image.width, max_cells=max_cells)
-        image.load()
+        with _silent_library() if image.format == "TIFF" else contextlib.nullcontext():
+            image.load()
         return _grey(image)
 
 
@@ -67,6 +71,19 @@ def _pillow() -> Iterator[None]:
         raise MapError("image: wanted PGM, PNG, BMP or TIFF, found something else") from None
     except DAMAGE as error:
         raise MapError(f"image: wanted a complete file, found a damaged one ({shown(str(error))})") from error
+
+
+@contextmanager
+def _silent_library() -> Iterator[None]:
+    """Let what libtiff itself writes to stderr about a damaged file go nowhere; the error says it in one line."""
+    kept, nowhere = os.dup(STDERR), os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, STDERR)
+    try:
+        yield
+    finally:
+        os.dup2(kept, STDERR)
+        os.close(kept)
+        os.close(nowhere)
 
 
 @contextmanager

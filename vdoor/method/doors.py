@@ -193,8 +193,8 @@ def pairs_within(corners: Corners, among: Ints, reach: float) -> Ints:
     found = (int(tree.count_neighbors(tree, reach)) - len(among)) // 2
     if found > MOST_PAIRS:
         raise MapError(
-            f"doors: wanted at most {MOST_PAIRS} pairs of corners within reach of each other, found {found}; the map is "
-            f"noise, or its cells are larger than it says (--resolution)"
+            f"doors: wanted at most {MOST_PAIRS} pairs of corners within reach of each other, found {found}; the map "
+            f"is noise, or its cells are larger than it says (--resolution)"
         )
     near = tree.query_pairs(reach, output_type="ndarray")
     both = among[np.sort(near, axis=1).astype(np.intp)].reshape(-1, 2)
