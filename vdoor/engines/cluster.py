@@ -96,7 +96,8 @@ class _Course:
 
     def _ended(self, future: Any, batch: list[Numbered]) -> Iterator[Ended[Any]]:
         """The end of each item of a batch; those of a batch that killed its workers have died."""
-        from distributed import CommClosedError, KilledWorker  # noqa: PLC0415
+        from distributed import KilledWorker  # noqa: PLC0415
+        from distributed.comm.core import CommClosedError  # noqa: PLC0415
 
         if future.status in ("lost", "cancelled"):
             raise self._lost()

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from vdoor.api import in_own_frame
 from vdoor.errors import RecordingError, VdoorError
 from vdoor.evaluate.label_files import read_image, read_labels, read_table
+from vdoor.evaluate.result_files import file_in, refuse_others
 from vdoor.formats import read_annotations
 from vdoor.formats.source import checked_resolution_m, shown
 from vdoor.frame import Frame
@@ -28,7 +29,7 @@ from vdoor.record import TEXT
 from vdoor.recording.mcap import read_recording
 from vdoor.results.annotations import read_table as annotations_in
 from vdoor.results.segments import named_by_robot
-from vdoor.results.writing import GREY_FREE, GREY_OCCUPIED, NAMES, SCHEMA, file_in, refuse_others
+from vdoor.results.writing import GREY_FREE, GREY_OCCUPIED, NAMES, SCHEMA
 from vdoor.topology import KINDS, Door, TopologicalMap
 
 Ints = NDArray[np.int32]
@@ -121,6 +122,7 @@ def _provenance(folder: Path, document: Mapping[str, Any], frame: Frame) -> Prov
     files = tuple((str(file["name"]), str(file["sha256"])) for file in document["source"]["files"])
     settings: Mapping[str, Any] = dict(document["settings"])
     provenance = Provenance(facts_of(document["vdoor"], document["preset"], document["seed"]), settings, files)
+    refuse_others(folder, ["grid.png"], document)
     provenance.run.write(0, _grid(file_in(folder, "grid.png", document), frame))
     return provenance
 
