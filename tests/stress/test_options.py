@@ -56,7 +56,7 @@ TEXTS = (
     ",",
     "1,",
     "..",
-    "/",
+    "/proc",
     "/dev/zero",
     "/dev/null/x",
     "a..b:80",
@@ -160,7 +160,7 @@ def claim_plain(done: Done) -> None:
     assert "\x1b" not in done.err
     assert done.code != 2 or re.search(r"^(vdoor|Usage): ", done.err, re.MULTILINE), done.err
     lines = [line for line in done.err.splitlines() if line.startswith("vdoor: ") and "note: " not in line]
-    assert len(lines) <= 1, done.err
+    assert done.code != 2 or len(lines) <= 1, done.err
 
 
 def values(known: list[tuple[str, str]], rng: random.Random) -> list[tuple[str, str, str]]:
