@@ -17,6 +17,11 @@ BEGINNINGS: tuple[tuple[bytes, str], ...] = (
     (b"II*\0", "a TIFF image"),
     (b"MM\0*", "a TIFF image"),
     (b"\x93NUMPY", "a NumPy array"),
+    (b"\x28\xb5\x2f\xfd", "a file packed with zstd (unzstd unpacks it)"),
+    (b"\x1f\x8b", "a file packed with gzip (gunzip unpacks it)"),
+    (b"\x04\x22\x4d\x18", "a file packed with lz4 (unlz4 unpacks it)"),
+    (b"BZh", "a file packed with bzip2 (bunzip2 unpacks it)"),
+    (b"\xfd7zXZ\0", "a file packed with xz (unxz unpacks it)"),
     (b"{", "a JSON file"),
     (b"<", "an HTML or XML file"),
 )

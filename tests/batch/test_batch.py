@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 import shutil
 import subprocess
@@ -184,3 +185,12 @@ def test_a_worker_of_another_version_is_refused(tmp_path: Path) -> None:
     row = done(Item("m.npy"), recipe(tmp_path, version="0.0.0"))
     assert row["error"].startswith("worker: wanted vdoor 0.0.0 as where the batch runs, found ")
     assert Recipe(batch=tmp_path).preset == DEFAULT_PRESET
+
+
+def test_names_that_are_no_utf_8_are_told_with_a_mark(tmp_path: Path, command: Command) -> None:
+    (bad,) = maps(tmp_path / "maps", 1)
+    bad = bad.rename(bad.with_name("h\udcff.npy"))
+    out = tmp_path / "b\udcff"
+    done = command("batch", bad, "--out", out, "-j", "1", *OPTIONS)
+    assert done.code == 0, done.err
+    assert parquet.read_table(io.BytesIO((out / "table.parquet").read_bytes()))["map"].to_pylist()[0].endswith("h�.npy")

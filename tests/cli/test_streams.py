@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import contextlib
+import io
 import os
 import signal
 import subprocess
 import sys
 from pathlib import Path
+from typing import TextIO
+from unittest import mock
 
 import finished_maps
 import pytest
@@ -14,6 +18,10 @@ from commands import Command, one_line
 from project import VDOOR
 from small_recording import small
 
+from vdoor.cli import main
+from vdoor.cli.commands import COMMANDS
+
+FULL = "standard output: cannot be read or written (No space left on device)"
 WORDS = ("info", "rooms", "config", "--help")
 
 
@@ -31,7 +39,46 @@ def test_a_full_stdout_is_one_line(name: str, tmp_path: Path) -> None:
             [VDOOR, *words(name, tmp_path)], check=False, stdout=full, stderr=subprocess.PIPE, text=True, timeout=60
         )
     assert done.returncode == 2
-    assert done.stderr == "vdoor: standard output: cannot be read or written (No space left on device)\n"
+    assert done.stderr == f"vdoor: {FULL}\n"
+
+
+def printing(folder: Path) -> list[list[str | Path]]:
+    """Give calls of every command that print: its help, and results of those that are quick."""
+    recording, result = small(folder / "a.mcap"), finished_maps.result("one room", folder / "r")
+    return [
+        *([name, "--help"] for name, _, _ in COMMANDS),
+        *([name, recording] for name in ("info", "check", "show")),
+        ["why", recording, "--at", "1.2,0.8"],
+        ["diff", recording, recording],
+        *([name, result] for name in ("rooms", "order", "cover")),
+        ["room-at", result, "1,1"],
+        ["export", result, "--to", "geojson"],
+    ]
+
+
+def test_a_full_stdout_is_one_line_in_every_command(tmp_path: Path) -> None:
+    for words in printing(tmp_path):
+        with Path("/dev/full").open("w") as full, contextlib.redirect_stderr(io.StringIO()) as err:
+            code = code_of(words, full)
+        assert (code, err.getvalue()) == (2, f"vdoor: {FULL}\n"), words
+
+
+def test_a_stdout_without_the_letters_is_no_error(tmp_path: Path, command: Command) -> None:
+    calls = printing(tmp_path)
+    assert command("rename", tmp_path / "r", "1", "Küche ☕").code == 0
+    for words in calls:
+        out = io.TextIOWrapper(io.BytesIO(), "ascii")
+        assert code_of(words, out) == 0, words
+
+
+def code_of(words: list[str | Path], out: TextIO) -> int:
+    """Call the command with another standard output; give its exit code."""
+    with contextlib.redirect_stdout(out), mock.patch.object(sys, "argv", ["vdoor", *map(str, words)]):
+        try:
+            main()
+        except SystemExit as stopped:
+            return int(stopped.code or 0)
+    return 0
 
 
 def test_closed_streams_do_not_matter(tmp_path: Path) -> None:

@@ -8,6 +8,7 @@ from collections import Counter
 from pathlib import Path
 
 import plain_work
+import psutil
 import pytest
 
 from vdoor.engines import Ended, Limits, OutOfMemoryError, WorkerDiedError, dask, in_order, over, processes
@@ -59,6 +60,8 @@ def test_a_cluster_does_the_same_and_its_loss_is_one_clear_error(
     monkeypatch.setenv("PYTHONPATH", str(Path(plain_work.__file__).parent))
     with loopback_cluster(tmp_path) as there:
         limits = Limits(scheduler=there.address)
+        listening = psutil.Process(there.scheduler.pid).net_connections("inet")
+        assert {one.laddr.ip for one in listening} == {"127.0.0.1"}
         work = functools.partial(plain_work.die_of, poison=2, log=tmp_path / "log")
         found = sorted(dask(work, range(5), limits), key=lambda one: one.number)
         assert [one.result for one in found] == [0, 1, None, 3, 4]

@@ -14,7 +14,9 @@ from hypothesis import strategies as st
 from maps import CELL_M, Cells, drawn, law, long_law, small_maps, stages
 from numpy.typing import NDArray
 
+from vdoor.errors import MapError
 from vdoor.grid import FREE, OccupancyGrid
+from vdoor.method import doors
 from vdoor.method.corners import gaps_m
 from vdoor.method.doors import PROPOSED, VERDICTS, ProposeDoors, VirtualDoors
 from vdoor.pipeline import Pipeline
@@ -275,3 +277,12 @@ def test_doors_lie_on_free_cells_and_are_measured_from_their_ends(cells: Cells) 
     assert (doors.length_m <= LONG_DOORS.doors.max_length_m + 1e-9).all()
     assert (doors.width_m <= doors.length_m).all()
     np.testing.assert_allclose(np.tan(doors.tilt_rad) * span.max(axis=1), span.min(axis=1), atol=1e-9)
+
+
+def test_more_pairs_of_corners_than_a_building_has_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    pairs = int((doors_of(two_rooms(3)).kind == KINDS.index("pair")).sum())
+    monkeypatch.setattr(doors, "MOST_PAIRS", pairs)
+    doors_of(two_rooms(3))
+    monkeypatch.setattr(doors, "MOST_PAIRS", pairs - 1)
+    with pytest.raises(MapError, match=f"wanted at most {pairs - 1} pairs of corners .* found {pairs}; the map"):
+        doors_of(two_rooms(3))

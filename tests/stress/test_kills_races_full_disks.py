@@ -22,12 +22,15 @@ from unittest import mock
 
 import finished_maps
 import pytest
+from PIL import Image
 from project import HOME, VDOOR
 from stress import count
 
 from vdoor.api import run_info, run_prepared
 from vdoor.cli import main
 from vdoor.emit import Recorder
+from vdoor.errors import VdoorError
+from vdoor.evaluate.division import MapChoice, read_division
 from vdoor.outputs import Outputs, opened
 from vdoor.pipeline import RECORDS, emitted, preset_named
 from vdoor.record import Record
@@ -112,6 +115,22 @@ def test_a_result_is_never_made_of_two(renamed: int, tmp_path: Path) -> None:
     assert in_a_process(work) == (-signal.SIGKILL if renamed < len(writing.NAMES) else 0)
     found = read_finished(folder, provenance=True).topology
     assert len(found.rooms) == (len(before.rooms) if renamed == 0 else len(finished_maps.topology("flat").rooms))
+
+
+@pytest.mark.parametrize("name", ["rooms.png", "grid.png"])
+def test_a_file_of_another_run_is_refused(name: str, tmp_path: Path) -> None:
+    folder, other = (finished_maps.result(drawing, tmp_path / drawing) for drawing in ("one room", "flat"))
+    (folder / name).write_bytes((other / name).read_bytes())
+    with pytest.raises(VdoorError, match=f"wanted .*, found .*{folder}"):
+        read_finished(folder, provenance=True)
+    shutil.copy(finished_maps.result("one room", tmp_path / "again") / name, folder / name)
+    image = Image.open(folder / name)
+    image.putpixel((0, 0), 1 if name == "rooms.png" else 254)
+    image.save(folder / name)  # of the same size, and read as it is without the checksums
+    with pytest.raises(VdoorError, match=f"{name}: wanted the file that map.json was written with, found another"):
+        read_finished(folder, provenance=True)
+    with pytest.raises(VdoorError, match=f"{name}: wanted the file that map.json was written with, found another"):
+        read_division("one room", folder, MapChoice())
 
 
 def command_of(words: list[str]) -> Callable[[], None]:

@@ -13,12 +13,15 @@ from typing import Any
 
 from vdoor.errors import MapError, SettingError, VdoorError
 from vdoor.evaluate.reference import bare_name
+from vdoor.files import read_regular
 from vdoor.formats import READERS
 
 MAPS = frozenset(suffix for reader in READERS for suffix in reader.suffixes)
 DESCRIPTIONS = (".yaml", ".yml")
 LISTS, TABLES = (".txt",), (".csv", ".parquet")
 NUMBERS = ("resolution_m", "robot_x_m", "robot_y_m")
+MOST_LIST = 1 << 30
+"""Bytes of a list or manifest."""
 TRUTHS = ("_truth.json", "_truth.png")
 """What `vdoor synth` writes beside a map."""
 
@@ -172,7 +175,7 @@ def _bytes(source: str) -> bytes:
     """The bytes of a file or URL."""
     with _naming(source):
         if "://" not in source:
-            return Path(source).read_bytes()
+            return read_regular(Path(source), "a list of maps", limit=MOST_LIST)
         system, path = _system(source)
         return bytes(system.cat_file(path))
 

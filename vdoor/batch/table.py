@@ -47,12 +47,18 @@ def table_of(rows: Iterable[Row]) -> Any:
 def _pieces(rows: Iterable[Row]) -> Iterator[list[Row]]:
     piece: list[Row] = []
     for row in rows:
-        piece.append({**row, "stages_s": list(row.get("stages_s", {}).items())})
+        texts = {name: _storable(value) for name, value in row.items() if isinstance(value, str)}
+        piece.append({**row, **texts, "stages_s": list(row.get("stages_s", {}).items())})
         if len(piece) == PIECE:
             yield piece
             piece = []
     if piece:
         yield piece
+
+
+def _storable(text: str) -> str:
+    """A text in which bytes of a file's name that are no UTF-8 are replaced."""
+    return text.encode(errors="surrogateescape").decode(errors="replace")
 
 
 def write_tables(out: Path, table: Any) -> list[Path]:
@@ -72,7 +78,7 @@ def read_tables(out: Path) -> Any:
     """The table of a batch; raises `VdoorError` if there is none."""
     path = out / TABLE
     try:
-        table = parquet.read_table(path)
+        table = parquet.read_table(pa.BufferReader(path.read_bytes()))  # a path is taken as UTF-8
     except (OSError, pa.ArrowException) as error:
         raise VdoorError(f"batch: wanted a batch's folder with {TABLE}, found none that can be read: {out}") from error
     missing = [name for name in COLUMNS if name not in table.column_names]

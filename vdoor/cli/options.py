@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     from vdoor.pipeline import AnyPipeline
 
 PIPE = "-"
+MOST_CELLS = 1 << 40
+"""More than any memory holds; a limit above it means nothing, and would overflow."""
 MapFile = Annotated[
     Path, typer.Argument(metavar="MAP", help="ROS map YAML, image, .npy, Valetudo JSON, bag, recording; - for stdin.")
 ]
@@ -39,7 +41,7 @@ OccupiedFrom = Annotated[
     float | None, typer.Option(metavar="PERCENT", help="Read cells of this occupancy or more as occupied.")
 ]
 Topic = Annotated[str | None, typer.Option(metavar="NAME", help="Topic of the nav_msgs/OccupancyGrid in a bag.")]
-MaxCells = Annotated[int, typer.Option(metavar="N", help="Refuse maps with more cells.")]
+MaxCells = Annotated[int, typer.Option(min=1, max=MOST_CELLS, metavar="N", help="Refuse maps with more cells.")]
 Jobs = Annotated[int, typer.Option("--jobs", "-j", min=1, metavar="N", help="Maps at work at a time.")]
 Force = Annotated[bool, typer.Option("--force", help="Overwrite existing files.")]
 Json = Annotated[bool, typer.Option("--json", help="Print the result as JSON.")]

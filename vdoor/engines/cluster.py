@@ -97,17 +97,23 @@ class _Course:
     def _ended(self, future: Any, batch: list[Numbered]) -> Iterator[Ended[Any]]:
         """The end of each item of a batch; those of a batch that killed its workers have died."""
         from distributed import KilledWorker  # noqa: PLC0415
+        from distributed.comm.core import CommClosedError  # noqa: PLC0415
 
         if future.status in ("lost", "cancelled"):
-            hint = "the same command goes on where it was"
-            raise VdoorError(f"scheduler: wanted an answer, found that it is lost; {hint}: {self._limits.scheduler}")
+            raise self._lost()
         try:
             done: Done = future.result()
+        except CommClosedError as error:  # while the result was fetched
+            raise self._lost() from error
         except KilledWorker as error:
             died = WorkerDiedError(f"cluster: wanted a result, found that its workers ended ({error})")
             done = Done([Ended(number=number, error=died) for number in range(len(batch))], BATCH_S)
         self._item_s = done.wall_s / len(batch)
         yield from (dataclasses.replace(ended, number=batch[ended.number][0]) for ended in done.endings)
+
+    def _lost(self) -> VdoorError:
+        hint = "the same command goes on where it was"
+        return VdoorError(f"scheduler: wanted an answer, found that it is lost; {hint}: {self._limits.scheduler}")
 
     def _give(self, coming: Any) -> None:
         """Give batches to the cluster until every thread has some ahead."""

@@ -14,7 +14,8 @@ from typing import NamedTuple
 
 from vdoor.errors import VdoorError
 
-QUIET = ("--no-dashboard", "--host", "127.0.0.1")
+QUIET = ("--no-dashboard", "--dashboard-address", "127.0.0.1:0", "--host", "127.0.0.1")
+"""Without a dashboard there is a small server for status all the same, which would listen on all addresses."""
 WAIT_S = 60.0
 
 

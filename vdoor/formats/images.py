@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import io
+import os
 import struct
 import warnings
 import zlib
@@ -10,6 +12,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 import numpy as np
+from numpy.typing import NDArray
 from PIL import Image, UnidentifiedImageError
 
 from vdoor.errors import MapError
@@ -20,6 +23,7 @@ from vdoor.grid import OccupancyGrid
 
 FORMATS = ("PNG", "BMP", "TIFF")
 OPAQUE = 255
+STDERR = 2
 GREYISH = 16
 """Largest difference between the channels of a pixel that counts as grey."""
 BAND = 1 << 20
@@ -49,7 +53,8 @@ def decode(data: bytes, *, max_cells: int) -> GreyImage:
         return pgm.decode(data, max_cells=max_cells)
     with _pillow(), Image.open(io.BytesIO(data), formats=FORMATS) as image:
         check_size(image.height, image.width, max_cells=max_cells)
-        image.load()
+        with _silent_library() if image.format == "TIFF" else contextlib.nullcontext():
+            image.load()
         return _grey(image)
 
 
@@ -66,6 +71,19 @@ def _pillow() -> Iterator[None]:
         raise MapError("image: wanted PGM, PNG, BMP or TIFF, found something else") from None
     except DAMAGE as error:
         raise MapError(f"image: wanted a complete file, found a damaged one ({shown(str(error))})") from error
+
+
+@contextmanager
+def _silent_library() -> Iterator[None]:
+    """Let what libtiff itself writes to stderr about a damaged file go nowhere; the error says it in one line."""
+    kept, nowhere = os.dup(STDERR), os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, STDERR)
+    try:
+        yield
+    finally:
+        os.dup2(kept, STDERR)
+        os.close(kept)
+        os.close(nowhere)
 
 
 @contextmanager
@@ -99,8 +117,20 @@ def _brightness(image: Image.Image) -> GreyImage:
     for top in range(0, image.height, rows):
         bottom = min(top + rows, image.height)
         channels = np.asarray(image.crop((0, top, image.width, bottom)).convert("RGBA"))
-        # ITU-R 601 luma in the integer arithmetic of GraphicsMagick, with which Nav2 reads images: greys stay exact.
-        luma[top:bottom] = channels[..., :3].astype(np.uint32) @ np.array([306, 601, 117], np.uint32) >> 10
         opaque[top:bottom] = channels[..., 3] == OPAQUE
-        coloured += int(np.count_nonzero(np.ptp(channels[..., :3], axis=2)[opaque[top:bottom]] > GREYISH))
+        luma[top:bottom], spread = _luma(channels)
+        coloured += int(np.count_nonzero(spread[opaque[top:bottom]] > GREYISH)) if spread.any() else 0
     return GreyImage(samples=luma, opaque=None if opaque.all() else opaque, coloured=coloured)
+
+
+def _luma(channels: NDArray[np.uint8]) -> tuple[NDArray[np.uint8], NDArray[np.uint8]]:
+    """The brightness (h, w) of pixels (h, w, 3 or more), and the largest difference between their colours.
+
+    ITU-R 601 luma in the integer arithmetic of GraphicsMagick, with which Nav2 reads images: greys stay exact.
+    """
+    red, green, blue = (np.ascontiguousarray(channels[..., at]) for at in range(3))
+    spread = np.maximum(np.maximum(red, green), blue) - np.minimum(np.minimum(red, green), blue)
+    if not spread.any():
+        return red, spread
+    luma = (red.astype(np.uint32) * 306 + green.astype(np.uint32) * 601 + blue.astype(np.uint32) * 117) >> 10
+    return luma.astype(np.uint8), spread

@@ -41,11 +41,7 @@ def unpack_xz(data: bytes, limit: int) -> bytes:
 
 def unpack_zstd(data: bytes, limit: int) -> bytes:
     """The content of Zstandard data; raises MapError if it is larger than `limit`, `PackedError` if it is damaged."""
-    with zstandard.ZstdDecompressor().stream_reader(data, read_across_frames=True) as stream:
-        content = _gathered(iter(lambda: stream.read(PIECE), b""), limit)
-    if len(content) < zstandard.frame_content_size(data):
-        raise PackedError("compressed data: wanted it complete, found it cut short")
-    return content
+    return _gathered(_unzstd(data), limit)
 
 
 def unpack_gzip(data: bytes, limit: int) -> bytes:
@@ -70,6 +66,17 @@ def unpack_nothing(data: bytes, limit: int) -> bytes:
 
 UNPACK: dict[str, Unpack] = {"": unpack_nothing, "bz2": unpack_bz2, "lz4": unpack_lz4, "zstd": unpack_zstd}
 """Name of a compression in bags -> the function that decompresses it."""
+
+
+def _unzstd(data: bytes) -> Iterator[bytes]:
+    """The content of all frames in `data`, piece by piece; raises `PackedError` if `data` is cut short."""
+    least = zstandard.frame_content_size(data)  # -1 if the frame does not say
+    with zstandard.ZstdDecompressor().stream_reader(data, read_across_frames=True) as stream:
+        while piece := stream.read(PIECE):
+            yield piece
+            least -= len(piece)
+    if least > 0:
+        raise PackedError("compressed data: wanted it complete, found it cut short")
 
 
 def _pieces(unpacker: Any, data: bytes) -> Iterator[bytes]:

@@ -11,6 +11,7 @@ import scipy
 from numpy.typing import NDArray
 
 from vdoor.config import Within
+from vdoor.errors import MapError
 from vdoor.frame import Frame
 from vdoor.grid import FREE
 from vdoor.method.boundary import BoundaryPath
@@ -27,6 +28,8 @@ Mask = NDArray[np.bool_]
 
 VERDICTS = ("proposed", "blocked", "same wall", "no gap", "duplicate", "too narrow")
 PROPOSED = VERDICTS.index("proposed")
+MOST_PAIRS = 2_000_000
+"""Pairs of corners that are looked at: of maps of homes and halls, each corner is in 1 to 7."""
 
 
 class VirtualDoors(Record):
@@ -180,9 +183,20 @@ def measured(free: Mask, found: DoorCandidates, frame: Frame) -> VirtualDoors:
 
 
 def pairs_within(corners: Corners, among: Ints, reach: float) -> Ints:
-    """Pairs (k, 2) of the corners `among` at most `reach` cells apart, the lower first, sorted."""
-    place = corners.cell[among]
-    near = scipy.spatial.cKDTree(place).query_pairs(reach, output_type="ndarray") if len(place) else np.zeros((0, 2))
+    """Pairs (k, 2) of the corners `among` at most `reach` cells apart, the lower first, sorted.
+
+    Raises MapError for more than `MOST_PAIRS`.
+    """
+    if not len(among):
+        return np.zeros((0, 2), np.int32)
+    tree = scipy.spatial.cKDTree(corners.cell[among])
+    found = (int(tree.count_neighbors(tree, reach)) - len(among)) // 2
+    if found > MOST_PAIRS:
+        raise MapError(
+            f"doors: wanted at most {MOST_PAIRS} pairs of corners within reach of each other, found {found}; the map "
+            f"is noise, or its cells are larger than it says (--resolution)"
+        )
+    near = tree.query_pairs(reach, output_type="ndarray")
     both = among[np.sort(near, axis=1).astype(np.intp)].reshape(-1, 2)
     return np.asarray(both[np.lexsort((both[:, 1], both[:, 0]))])
 

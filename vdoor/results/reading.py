@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from vdoor.errors import RecordingError, VdoorError
 from vdoor.evaluate.label_files import read_image, read_labels, read_table
+from vdoor.evaluate.result_files import file_in, refuse_others
 from vdoor.formats.source import checked_resolution_m, shown
 from vdoor.frame import Frame
 from vdoor.grid import FREE, OCCUPIED, UNKNOWN, Annotations, OccupancyGrid
@@ -23,7 +24,7 @@ from vdoor.raster.runs import runs_of
 from vdoor.record import TEXT
 from vdoor.results.annotations import read_table as annotations_in
 from vdoor.results.segments import named_by_robot
-from vdoor.results.writing import GREY_FREE, GREY_OCCUPIED, NAMES, SCHEMA, file_in, refuse_others
+from vdoor.results.writing import GREY_FREE, GREY_OCCUPIED, NAMES, SCHEMA
 from vdoor.topology import KINDS, Door, TopologicalMap
 
 if TYPE_CHECKING:
@@ -127,6 +128,7 @@ def _provenance(folder: Path, document: Mapping[str, Any], frame: Frame) -> Prov
     files = tuple((str(file["name"]), str(file["sha256"])) for file in document["source"]["files"])
     settings: Mapping[str, Any] = dict(document["settings"])
     provenance = Provenance(facts_of(document["vdoor"], document["preset"], document["seed"]), settings, files)
+    refuse_others(folder, ["grid.png"], document)
     provenance.run.write(0, _grid(file_in(folder, "grid.png", document), frame))
     return provenance
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any, BinaryIO
 
 import apsw
@@ -10,6 +11,7 @@ from vdoor.errors import MapError
 from vdoor.formats.bag.budget import Budget
 from vdoor.formats.bag.chunked import Topic
 from vdoor.formats.bag.sqlite_pages import Pages, connect
+from vdoor.formats.source import shown
 
 MAGIC = b"SQLite format 3\0"
 STEPS = 10_000
@@ -67,7 +69,7 @@ class SqliteBag:
         """Time and data of the last message before the place where the file is cut short."""
         found = None
         try:
-            for row in self._bag.execute(ROWS.format(", ".join("?" * len(ids))), ids):
+            for row in self._each(ROWS.format(", ".join("?" * len(ids))), *ids):
                 found = self._data(*row)
         except (apsw.IOError, apsw.CorruptError):
             pass
@@ -90,7 +92,14 @@ class SqliteBag:
         self._bag.close()
 
     def _rows(self, query: str, *values: Any) -> list[tuple[Any, ...]]:
-        return list(self._bag.execute(query, values))
+        return list(self._each(query, *values))
+
+    def _each(self, query: str, *values: Any) -> Iterator[tuple[Any, ...]]:
+        """The rows of a query; raises MapError for text that is none."""
+        try:
+            yield from self._bag.execute(query, values)
+        except UnicodeDecodeError as error:
+            raise MapError(f"bag: wanted an intact SQLite database, found text that is no UTF-8 ({error})") from error
 
     def _over(self) -> bool:
         """Whether the query takes more work than the budget allows."""
@@ -109,5 +118,5 @@ class SqliteBag:
                 f"bag: wanted a message of at most {self._budget.most_bytes} bytes (--max-cells raises it), found more"
             )
         if isinstance(error, apsw.SQLError):
-            return MapError(f"bag: wanted a ROS 2 bag's tables, found another SQLite database ({error})")
-        return MapError(f"bag: wanted an intact SQLite database, found a damaged one ({error})")
+            return MapError(f"bag: wanted a ROS 2 bag's tables, found another SQLite database ({shown(str(error))})")
+        return MapError(f"bag: wanted an intact SQLite database, found a damaged one ({shown(str(error))})")
