@@ -43,7 +43,7 @@ def doors(run: RunRecords) -> Iterator[Mark]:
         )
 
 
-def scores(run: RunRecords) -> Iterator[Mark]:
+def scores(run: RunRecords) -> Iterator[Lines]:
     """Scored doors by judgement, likely ones by their odds on top, and lines between doors in conflict."""
     found, proposed = run.scores, run.doors
     start, end = proposed.start[found.door], proposed.end[found.door]
