@@ -56,8 +56,7 @@ def contents_of(
         "grid.png": png(greys(grid)),
     }
     document["files"] = {name: hashlib.sha256(content).hexdigest() for name, content in others.items()}
-    text = json.dumps(document, indent=1, allow_nan=False) + "\n"
-    return [("map.json", text.encode()), *others.items()]
+    return [("map.json", _json(document)), *others.items()]
 
 
 def file_in(folder: Path, name: str, document: Mapping[str, Any]) -> Path:
@@ -103,10 +102,37 @@ def rewritten(folder: Path, topology: TopologicalMap, edits: Sequence[str]) -> l
         document["files"]["rooms.png"] = hashlib.sha256(labels).hexdigest()
     document["settings"]["edit"] = document["settings"].get("edit", {}) | {"edits": list(edits)}
     try:
-        text = json.dumps(document, indent=1, allow_nan=False) + "\n"
+        text = _json(document)
     except ValueError as error:  # such as NaN, which Python reads although it is not valid JSON
         raise VdoorError(f"map.json: wanted finite numbers, found others: {folder}") from error
-    return [(folder / "map.json", text.encode()), (folder / "rooms.png", labels)]
+    return [(folder / "map.json", text), (folder / "rooms.png", labels)]
+
+
+def _json(document: Mapping[str, Any]) -> bytes:
+    """The document as JSON, a line for each field and for each room, door, node and edge.
+
+    Raises `ValueError` for numbers that are not finite.
+    """
+    return "".join(
+        ["{\n", ",\n".join(f" {_name(name)}{_lines(value)}" for name, value in document.items()), "\n}\n"]
+    ).encode()
+
+
+def _lines(value: Any) -> str:
+    """A value of a document, a line for each item of a list and for each list of a table."""
+    if isinstance(value, list) and value and isinstance(value[0], dict):
+        return "[\n  " + ",\n  ".join(map(_dumped, value)) + "\n ]"
+    if isinstance(value, dict) and any(isinstance(item, list | dict) for item in value.values()):
+        return "{\n  " + ",\n  ".join(f"{_name(name)}{_dumped(item)}" for name, item in value.items()) + "\n }"
+    return _dumped(value)
+
+
+def _name(name: str) -> str:
+    return f"{json.dumps(name)}: "
+
+
+def _dumped(value: Any) -> str:
+    return json.dumps(value, allow_nan=False)
 
 
 def document_of(topology: TopologicalMap, info: RunInfo, timings_s: Mapping[str, float]) -> dict[str, Any]:
@@ -139,7 +165,7 @@ def _graph(topology: TopologicalMap) -> dict[str, Any]:
     rooms, doors = topology.rooms, topology.doors
     return {
         "rooms": [_room(room) for room in rooms],
-        "doors": [_door(door) for door in doors],
+        "doors": [_fields(door) for door in doors],
         "graph": {
             "nodes": [room.id for room in rooms],
             "edges": [{"door": door.id, "rooms": list(door.rooms)} for door in doors],
@@ -148,16 +174,13 @@ def _graph(topology: TopologicalMap) -> dict[str, Any]:
 
 
 def _room(room: Room) -> dict[str, Any]:
-    fields = dataclasses.asdict(room)
-    corners = [
-        {"point_m": corner["point_m"], "kind": "convex" if corner["convex"] else "concave"}
-        for corner in fields["corners"]
-    ]
-    return fields | {"corners": corners}
+    corners = [{"point_m": corner.point_m, "kind": "convex" if corner.convex else "concave"} for corner in room.corners]
+    return _fields(room) | {"corners": corners}
 
 
-def _door(door: Door) -> dict[str, Any]:
-    return dataclasses.asdict(door)
+def _fields(record: Room | Door) -> dict[str, Any]:
+    """The fields by name, as they are: `dataclasses.asdict` would copy each point of a polygon."""
+    return {field.name: getattr(record, field.name) for field in dataclasses.fields(record)}
 
 
 def greys(grid: OccupancyGrid) -> NDArray[np.uint8]:
