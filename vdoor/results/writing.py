@@ -11,14 +11,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import yaml
 from numpy.typing import NDArray
 from PIL import Image
 
 from vdoor.emit import RunInfo
 from vdoor.errors import VdoorError
 from vdoor.files import partial_name
-from vdoor.formats import read_annotations
 from vdoor.grid import OccupancyGrid, Source
 from vdoor.partial import together
 from vdoor.results.annotations import table_of
@@ -138,6 +136,8 @@ def _dumped(value: Any) -> str:
 def document_of(topology: TopologicalMap, info: RunInfo, timings_s: Mapping[str, float]) -> dict[str, Any]:
     """The content of map.json: lengths in metres, points as [x, y] in the map frame."""
     frame = topology.frame
+    from vdoor.formats import read_annotations  # noqa: PLC0415  # loads all readers
+
     annotations = read_annotations(info.source)
     return {
         "schema": SCHEMA,
@@ -200,6 +200,8 @@ def png(image: NDArray[np.uint8] | NDArray[np.uint16]) -> bytes:
 
 def map_server_yaml(grid: OccupancyGrid, image: str, *, mode: str = "raw") -> bytes:
     """The YAML file that ROS map_server needs with an image of the grid's shape."""
+    import yaml  # noqa: PLC0415  # reading a result needs none
+
     frame = grid.frame
     return yaml.safe_dump(
         {
