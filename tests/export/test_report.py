@@ -110,7 +110,7 @@ def test_pictures_lie_on_the_cells_they_show() -> None:
         light = picture(layers[name])[:, :, 0] > 200
         assert np.array_equal(light, of.free)
     assert np.argwhere(picture(layers["changed"])[:, :, 3]).tolist() == [[3, 5]]
-    assert layers["changed"]["key"] == [["#c480c8", "unreachable (1)"]]
+    assert layers["changed"]["key"] == [["#c480c8", "unreachable, now unknown (1)"]]
 
 
 def test_flips_lead_to_the_choice_of_every_generation() -> None:

@@ -228,6 +228,13 @@ def test_slider_drives_along_the_path_and_shows_what_is_swept(window: Browser, t
     assert not window.problems
 
 
+def test_a_label_that_would_cover_another_is_left_out(opened: Browser) -> None:
+    shown = "labels.filter(({text}) => text.style.display === '').length"
+    before = opened.run(shown)
+    opened.run("labels.push(...labels.map(label => ({...label, text: label.text.cloneNode(true)}))); fitLabels()")
+    assert opened.run(shown) == before >= len(finished_maps.topology("flat").rooms)
+
+
 @pytest.mark.parametrize("width", [360, 800, 1900])
 def test_page_fits_narrow_and_wide_windows(width: int, opened: Browser) -> None:
     opened.call("Emulation.setDeviceMetricsOverride", width=width, height=800, deviceScaleFactor=1, mobile=False)

@@ -163,6 +163,7 @@ STAGE_VIEWS = (
             "island": "a free-standing obstacle, small enough to be furniture; set to free",
             "thin unknown": "a thin line of unknown cells with free space around it; set to free",
             "slit": "free space too narrow for the robot; closed",
+            "sill": "the floor of a doorway that no ray saw; set to free",
         },
     ),
     StageView(
@@ -282,8 +283,8 @@ STAGE_VIEWS = (
         summary=_initial_summary,
         tab="Initial map",
         meaning=(
-            "All doors that are left cut the floor into regions, each in a colour. The graph joins each region "
-            "with the doors on its border. The search then decides which doors to keep."
+            "All doors that are left cut the floor into regions, each in a colour; cells that a door covers stay "
+            "white. The graph joins each region with the doors on its border. The search then decides which to keep."
         ),
         element="door",
         stops=lambda run: np.sort(run.initial.door),
@@ -295,8 +296,8 @@ STAGE_VIEWS = (
         summary=_search_summary,
         tab="Search",
         meaning=(
-            "Which doors are kept: the search tries many choices, and the cost of the best one falls from "
-            "generation to generation."
+            "Which doors are kept: the search tries many choices at a time, a generation. The lower the cost of a "
+            "choice, the better; one at the lower bound, where that is known, is proven to be the best."
         ),
         element="generation",
         stops=lambda run: np.arange(len(run.search)),

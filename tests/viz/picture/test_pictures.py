@@ -26,7 +26,7 @@ from vdoor.viz.marks.plots import limits
 from vdoor.viz.marks.table import marks_of
 from vdoor.viz.picture.layout import Box, Wanted, flowed, free_places, laid_out
 from vdoor.viz.picture.pictures import picture_of, pictures
-from vdoor.viz.picture.plan import Window, entries, round_length_m
+from vdoor.viz.picture.plan import Window, entries, fitted, round_length_m
 from vdoor.viz.picture.views import Plan, View
 
 sys.path.insert(0, str(HOME / "docs"))
@@ -216,3 +216,35 @@ def test_shot_says_what_is_missing_and_draws_the_rest(tmp_path: Path) -> None:
     assert [Path(line).name for line in done.stdout.splitlines()] == names
     assert sorted(entry.name for entry in (tmp_path / "out").iterdir()) == names
     assert "found 'Overview'" in call("shot", path, "-o", tmp_path / "out", "--stage", "overview", code=2).stderr
+
+
+def test_many_marks_are_smaller_and_empty_ones_are_neither_drawn_nor_in_the_legend() -> None:
+    many = Dots(name="a", frame=FRAME, cell=np.zeros((200, 2)), colour=RED, meaning="corner", wide_px=10)
+    others = Dots(name="b", frame=FRAME, cell=np.zeros((120, 2)), colour=BLUE, meaning="other corner", wide_px=10)
+    none = Lines(name="c", frame=FRAME, strips=[], colour=BLUE, meaning="door (0)")
+    shown = fitted([many, others, none])
+    assert [(entry.text, entry.wide_px) for entry in entries(shown)] == [("corner", 6.0), ("other corner", 6.0)]
+
+
+def test_rasters_lie_where_they_are_and_keep_their_opacity() -> None:
+    codes = np.zeros((40, 60), np.uint8)
+    codes[10:20, 30:50] = 1
+    cells = Cells(name="a", frame=FRAME, codes=codes, colours={1: (RED, "")}, listed=False)
+    rows, cols = near(drawn(cells), RED).T
+    across = drawn(Lines(name="b", frame=FRAME, strips=[np.array([[14.5, 29.5], [14.5, 49.5]])], colour=RED))
+    line = near(across, RED)
+    assert [cols.min(), cols.max()] == pytest.approx([line[:, 1].min(), line[:, 1].max()], abs=2)
+    assert (rows.min() + rows.max()) / 2 == pytest.approx(line[:, 0].mean(), abs=2)
+    glass = Cells(name="a", frame=FRAME, codes=codes, colours={1: (RED, "")}, opacity=0.5, listed=False)
+    ground = Cells(name="g", frame=FRAME, codes=codes, colours={1: ((0, 0, 0), "")}, listed=False)
+    half = drawn(ground, glass)[(rows.min() + rows.max()) // 2, (cols.min() + cols.max()) // 2]
+    assert half.tolist() == pytest.approx([value / 2 for value in RED], abs=8)
+
+
+def test_curves_that_run_together_are_all_seen() -> None:
+    x = np.arange(3.0)
+    flat = [Curve(name, x, np.ones(3), colour, name) for name, colour in (("mean", BLUE), ("best", RED))]
+    chart = Chart(name="cost", x_label="", y_label="", curves=flat)
+    seen = pixels(picture_of(View("", "", [chart]), Window.around(FRAME, np.ones((40, 60), np.bool_))))
+    both = [np.count_nonzero((np.abs(seen - colour).max(axis=2) < 90).sum(axis=1) > 1000) for colour in (BLUE, RED)]
+    assert min(both) >= 1

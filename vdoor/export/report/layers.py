@@ -15,11 +15,13 @@ from vdoor.export.report.sheet import Layer, Sheet, colour_text, polygon, polyli
 from vdoor.frame import Frame
 from vdoor.grid import FREE_TO, OCCUPIED_FROM, Annotations, Line, OccupancyGrid
 from vdoor.history.provenance import Provenance
+from vdoor.history.records import RunRecords
 from vdoor.method.boundary import BoundaryPath
 from vdoor.method.corners import Candidates, Corners
 from vdoor.method.curvature import Curvature
 from vdoor.method.doors import PROPOSED, VERDICTS, VirtualDoors
 from vdoor.method.initial_map import InitialMap
+from vdoor.method.scoring.score import DoorScores
 from vdoor.method.search.generation import Generation
 from vdoor.method.simplify import REASONS, SimplifiedGrid
 from vdoor.navigate.cover_floor import Coverage
@@ -27,6 +29,8 @@ from vdoor.navigate.coverage.path import KINDS as PURPOSES
 from vdoor.navigate.find_route import Route
 from vdoor.record import RASTERS, Record, specs, tables, texts_of
 from vdoor.topology import KINDS
+from vdoor.viz.marks.boundary import BECAME, BINS
+from vdoor.viz.marks.doors import WHY, scores
 from vdoor.viz.rerun import style
 from vdoor.viz.rerun.restrictions import restriction_lines, restrictions
 
@@ -39,12 +43,8 @@ CELLS: dict[int, tuple[style.Colour, str]] = {
     BETWEEN: (style.BETWEEN, "between"),
     OCCUPIED: (style.OCCUPIED, "occupied"),
 }
-SWEPT: style.Colour = (40, 170, 130)
 OTHER: style.Colour = (160, 60, 140)
 """Colour of words without a colour of their own."""
-ANGLES_DEG = (0.0, 60.0, 90.0, 120.0, 155.0, 170.0)
-ANGLE_COLOURS = ("#7f0000", "#c8301c", "#ee7a2b", "#f0b23c", "#e3d59a")
-"""Colours between these angles, sharpest first; straight walls are not drawn."""
 
 
 def layers(sheet: Sheet, provenance: Provenance | None, annotations: Annotations | None = None) -> Iterator[Layer]:
@@ -52,7 +52,10 @@ def layers(sheet: Sheet, provenance: Provenance | None, annotations: Annotations
     if provenance is None:
         return
     for record in provenance.records:
-        yield from DRAW.get(type(record), draw_any)(sheet, record)
+        if isinstance(record, DoorScores) and provenance.run.has(VirtualDoors):
+            yield draw_scores(sheet, provenance.run)
+        else:
+            yield from DRAW.get(type(record), draw_any)(sheet, record)
         if isinstance(record, OccupancyGrid):
             yield from draw_restrictions(sheet, restriction_lines(annotations) or restrictions(record))
         if isinstance(record, InitialMap) and len(provenance.run.search):
@@ -86,7 +89,9 @@ def draw_simplified(sheet: Sheet, grid: SimplifiedGrid) -> Drawn:
     changed.picture = sheet.picture(grid.reason, colours, grid.frame)
     counts = np.bincount(grid.reason.ravel(), minlength=len(REASONS)).tolist()
     changed.key = [
-        (colour_text(colour), f"{REASONS[code]} ({counts[code]})") for code, colour in colours.items() if counts[code]
+        (colour_text(colour), f"{BECAME.get(REASONS[code], REASONS[code])} ({counts[code]})")
+        for code, colour in colours.items()
+        if counts[code]
     ]
     yield changed
 
@@ -103,13 +108,12 @@ def draw_path(sheet: Sheet, path: BoundaryPath) -> Drawn:
 
 
 def draw_curvature(sheet: Sheet, curvature: Curvature) -> Drawn:
-    """Samples of the path, coloured by their angle."""
+    """Samples of the path, coloured by their angle; nearly straight ones are not drawn."""
     layer = Layer("curvature", view_of(Curvature).name)
     points, angle_deg = sheet.points(curvature.cell, curvature.frame), np.degrees(curvature.angle_rad)
-    limits = zip(ANGLES_DEG[:-1], ANGLES_DEG[1:], ANGLE_COLOURS, strict=True)
-    for lower, upper, colour in reversed(list(limits)):
+    for lower, upper, colour in BINS[1:]:
         own = (angle_deg >= lower) & (angle_deg < upper)
-        layer.add_dots(points[own], colour, f"{lower:g}° to {upper:g}°", wide_px=4)
+        layer.add_dots(points[own], colour_text(colour), f"{lower:g}° to {min(upper, 180):g}°", wide_px=4)
     yield layer
 
 
@@ -137,11 +141,20 @@ def draw_doors(sheet: Sheet, doors: VirtualDoors) -> Drawn:
         tips = [f"virtual door {row}: {verdict}, {doors.width_m[row]:.2f} m, {KINDS[doors.kind[row]]}" for row in own]
         colour = style.DOOR if code == PROPOSED else style.REJECTED.get(verdict, OTHER)
         layer, wide_px = (proposed, 3) if code == PROPOSED else (rejected, 1.5)
-        text = f"{verdict} ({len(own)})"
+        text = f"{WHY.get(verdict, verdict)} ({len(own)})"
         own_paths = [paths[row] for row in own]
         layer.add_lines(own_paths, colour_text(colour), text, tips=tips, doors=own, wide_px=wide_px)
     yield proposed
     yield rejected
+
+
+def draw_scores(sheet: Sheet, run: RunRecords) -> Layer:
+    """Scored doors by judgement and odds, as pictures show them."""
+    layer = Layer("scores", view_of(DoorScores).name)
+    for mark in scores(run):
+        paths = [polyline(sheet.points(strip, mark.frame)) for strip in mark.strips]
+        layer.add_lines(paths, colour_text(mark.colour), mark.meaning, tips=mark.tips, wide_px=mark.wide_px)
+    return layer
 
 
 def draw_initial(sheet: Sheet, initial: InitialMap) -> Drawn:
@@ -191,8 +204,8 @@ def draw_coverage(sheet: Sheet, found: Coverage) -> Drawn:
     """The path by what it is for, over the floor that it sweeps."""
     layer = Layer("coverage", view_of(Coverage).name, on=True)
     swept = (found.swept > 0).astype(np.uint8)
-    layer.picture = sheet.picture(swept, {1: SWEPT}, found.frame) | {"above": True}
-    layer.key.append((colour_text(SWEPT), "swept floor"))
+    layer.picture = sheet.picture(swept, {1: style.SWEPT}, found.frame) | {"above": True}
+    layer.key.append((colour_text(style.SWEPT), "swept floor"))
     cell = found.frame.cell_from_world(found.point_m)
     for code, purpose in enumerate(PURPOSES):
         own = np.flatnonzero(found.purpose[1:] == code)

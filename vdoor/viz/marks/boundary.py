@@ -26,16 +26,26 @@ STATES: dict[int, tuple[Colour, str]] = {
     OCCUPIED: (style.OCCUPIED, "occupied"),
 }
 BINS: tuple[tuple[float, float, Colour], ...] = (
-    (155.0, 181.0, (206, 208, 212)),
+    (155.0, 181.0, (105, 140, 200)),
     (120.0, 155.0, (238, 178, 60)),
     (90.0, 120.0, (232, 120, 40)),
     (60.0, 90.0, (200, 48, 28)),
     (0.0, 60.0, (120, 0, 40)),
 )
 """From and to an angle in degrees, and the colour of samples between, the sharpest last."""
-ARROWS = 90
+BECAME = {
+    "unreachable": "unreachable, now unknown",
+    "jut": "jut: a bump on a wall, now free",
+    "notch": "notch: a dent in a wall, now occupied",
+    "island": "island: as small as furniture, now free",
+    "thin unknown": "thin line of unknown cells, now free",
+    "slit": "slit: too narrow for the robot, closed",
+    "sill": "sill: unseen floor of a doorway, now free",
+}
+"""What has become of cells that were changed, by reason."""
+ARROWS = 60
 """About that many arrows along the boundary, whatever its length."""
-ARROW_CELLS = 1 / 60
+ARROW_CELLS = 1 / 40
 """Length of an arrow, as a share of the map's longer side."""
 
 
@@ -76,7 +86,11 @@ def simplified(run: RunRecords) -> Iterator[Mark]:
     yield from ground(run)
     reason = run.simplified.reason
     count = np.bincount(reason.ravel(), minlength=len(REASONS)).tolist()
-    colours = {code: (style.OF_REASON[word], f"{word} ({count[code]})") for code, word in enumerate(REASONS) if code}
+    colours = {
+        code: (style.OF_REASON[word], f"{BECAME[word]} ({count[code]} cells)")
+        for code, word in enumerate(REASONS)
+        if code
+    }
     yield Cells(name="changed", frame=run.simplified.frame, codes=reason, colours=colours)
 
 

@@ -13,6 +13,16 @@ from vdoor.method.scoring.score import JUDGEMENTS, LIKELY
 from vdoor.viz.marks.kinds import Cells, Dots, Lines, Mark, by_code, path_name, segments, wrapped
 from vdoor.viz.rerun import style
 
+WHY = {
+    "blocked": "blocked: crosses a wall",
+    "same wall": "same wall: both ends on one wall",
+    "no gap": "no gap: its ends touch",
+    "duplicate": "duplicate: same ends as another",
+    "too narrow": "too narrow for the robot",
+    "unlikely": "unlikely",
+    "outdone": "outdone by a likelier one at the same place",
+}
+"""Why doors are left out, by verdict or judgement."""
 ODDS = ((-np.inf, 0.0, "doubtful: log-odds under 0"), (0.0, 2.0, "likely: 0 to 2"), (2.0, np.inf, "sure: over 2"))
 """From and to log-odds, and what doors between them are called."""
 
@@ -27,13 +37,13 @@ def doors(run: RunRecords) -> Iterator[Mark]:
             frame=found.frame,
             strips=segments(found.start[rows], found.end[rows]),
             colour=style.DOOR if proposed else style.REJECTED[verdict],
-            meaning=f"{verdict} ({len(rows)})",
+            meaning=f"{WHY.get(verdict, verdict)} ({len(rows)})",
             tips=[f"virtual door {row}: {verdict}, {found.width_m[row]:.2f} m" for row in rows],
-            wide_px=2.5 if proposed else 1.2,
+            wide_px=2.5 if proposed else 1.8,
         )
 
 
-def scores(run: RunRecords) -> Iterator[Mark]:
+def scores(run: RunRecords) -> Iterator[Lines]:
     """Scored doors by judgement, likely ones by their odds on top, and lines between doors in conflict."""
     found, proposed = run.scores, run.doors
     start, end = proposed.start[found.door], proposed.end[found.door]
@@ -49,7 +59,7 @@ def scores(run: RunRecords) -> Iterator[Mark]:
 
     for code, judgement, rows in by_code(found.judgement, JUDGEMENTS):
         if code != LIKELY:
-            yield lines(judgement, rows, style.JUDGED[judgement], judgement, 1.2)
+            yield lines(judgement, rows, style.JUDGED[judgement], WHY[judgement], 1.8)
     for low, high, meaning in ODDS:
         rows = np.flatnonzero((found.judgement == LIKELY) & (found.log_odds > low) & (found.log_odds <= high))
         middle = float(np.clip((low + high) / 2, -style.SURE_LOG_ODDS, style.SURE_LOG_ODDS))

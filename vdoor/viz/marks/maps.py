@@ -33,13 +33,20 @@ def initial_map(run: RunRecords) -> Iterator[Mark]:
     yield Cells(name="regions", frame=frame, codes=codes, colours=_coded(colours), opacity=0.75, listed=False)
     middle = (found.start + found.end) / 2
     links = segments(found.centre[found.border_region], middle[found.border_edge])
-    yield Lines(name="links", frame=frame, strips=links, colour=style.LINK, meaning="door borders region", wide_px=1)
+    yield Lines(
+        name="links",
+        frame=frame,
+        strips=links,
+        colour=style.LINK,
+        meaning="joins a region with a door on its border",
+        wide_px=1,
+    )
     tips = [f"virtual door {door}: {width_m:.2f} m" for door, width_m in zip(found.door, found.width_m, strict=True)]
     strips, meaning = segments(found.start, found.end), f"virtual door ({len(found.door)})"
     yield Lines(name="doors", frame=frame, strips=strips, colour=style.DOOR, meaning=meaning, tips=tips, wide_px=2.5)
-    yield Dots(name="edges", frame=frame, cell=middle, colour=style.EDGE_MIDDLE, meaning="its edge", wide_px=4)
+    yield Dots(name="edges", frame=frame, cell=middle, colour=style.EDGE_MIDDLE, meaning="middle of a door", wide_px=4)
     areas = [f"region {region}: {area_m2:.2f} m²" for region, area_m2 in enumerate(found.area_m2)]
-    nodes = f"node: a region ({regions})"
+    nodes = f"region ({regions})"
     yield Dots(name="nodes", frame=frame, cell=found.centre, colour=style.NODE, meaning=nodes, tips=areas, wide_px=9)
 
 
@@ -47,7 +54,7 @@ def choice(run: RunRecords) -> Iterator[Mark]:
     """Doors that the best choice of the last recorded generation keeps and removes."""
     initial, removed = run.initial, run.search[-1].removed
     for name, own, colour, wide_px in (
-        ("removed", removed, style.REMOVED, 1.5),
+        ("removed", removed, style.REMOVED, 2.0),
         ("kept", ~removed, style.KEPT, 4.0),
     ):
         rows = np.flatnonzero(own)
@@ -71,7 +78,14 @@ def final_map(run: RunRecords) -> Iterator[Mark]:
     middle = (start + end) / 2
     ends = np.searchsorted(found.room_ids, np.concatenate([found.room_a, found.room_b]))
     links = segments(found.centre[ends], np.concatenate([middle, middle]))
-    yield Lines(name="links", frame=found.frame, strips=links, colour=style.LINK, meaning="room has door", wide_px=1.2)
+    yield Lines(
+        name="links",
+        frame=found.frame,
+        strips=links,
+        colour=style.LINK,
+        meaning="joins a room with its door",
+        wide_px=1.2,
+    )
     yield Lines(
         name="doors",
         frame=found.frame,

@@ -68,13 +68,13 @@ def cost_chart(run: RunRecords) -> Chart:
     bound = [run.certificate.lower_bound] if run.has(Certificate) else []
     levels = [(cost, style.BOUND, f"lower bound, {cost:.2f}") for cost in bound]
     what = "cost (energy of scored doors)" if run.has(DoorScores) else "cost (eq. 7)"
-    high = _seen_up_to(run.search.numbers("best_cost"), bound)
+    high = _seen_up_to(run.search.numbers("best_cost"), run.search.numbers("mean_cost"), bound)
     return Chart(name="cost", x_label="generation", y_label=what, curves=curves, levels=levels, high=high)
 
 
-def _seen_up_to(best: Floats, bound: Sequence[float]) -> float:
-    """Upper end of the axis of costs: the best one is what counts, and the worst would leave it no height."""
-    low, high = min([best.min(), *bound]), best.max()
+def _seen_up_to(best: Floats, mean: Floats, bound: Sequence[float]) -> float:
+    """Upper end of the axis of costs: over the best ones and the least mean, since the worst would leave no height."""
+    low, high = min([best.min(), *bound]), max(best.max(), mean.min())
     return float(high + max(high - low, 0.1 * abs(high), 0.1))
 
 

@@ -11,7 +11,11 @@ from vdoor.viz.picture.sheet import FONT, LINE_PX, POINTS_PER_PX, Entry, Sheet, 
 
 LEFT_PX, RIGHT_PX, BOTTOM_PX = 62.0, 12.0, 44.0
 """Room for the numbers and names of the axes."""
-DOTTED: dict[str, Any] = {"marker": "o", "linestyle": "none", "markeredgewidth": 0, "markersize": 3}
+DOTTED: dict[str, Any] = {"marker": "o", "linestyle": "none", "markeredgewidth": 0, "markersize": 3, "clip_on": False}
+LINE = 1.6
+"""Width of curves in points."""
+DENSE = 6
+"""Curves of more points than that to a pixel are drawn thin: they would run together."""
 SMALL = 11 * POINTS_PER_PX
 
 
@@ -23,11 +27,11 @@ def draw_chart(sheet: Sheet, box: Box, chart: Chart) -> None:
     sheet.legend(key, box.left + LEFT_PX, box.top, across)
     inner = Box(box.left + LEFT_PX, box.top + head, across, max(box.height - head - BOTTOM_PX, 20.0))
     axes = sheet.axes(inner)
-    for order, curve in enumerate(chart.curves):
-        look = DOTTED if curve.dotted else {}
-        axes.plot(curve.x, curve.y, color=hex_of(curve.colour), linewidth=1.2, zorder=3 + order, **look)
+    for order, (curve, wide) in enumerate(zip(chart.curves, widths(chart, across), strict=True), start=3):
+        look = DOTTED if curve.dotted else {"linewidth": wide}
+        axes.plot(curve.x, curve.y, color=hex_of(curve.colour), zorder=order, **look)
     for height, colour, _ in chart.levels:
-        axes.axhline(height, color=hex_of(colour), linewidth=1.2, linestyle="--", zorder=2.5)
+        axes.axhline(height, color=hex_of(colour), linewidth=1.2, linestyle="--", zorder=3 + len(chart.curves))
     axes.set(xlim=ends(chart), ylim=limits(chart))
     axes.set_xlabel(chart.x_label, fontsize=SMALL, fontfamily=FONT)
     axes.set_ylabel(chart.y_label, fontsize=SMALL, fontfamily=FONT)
@@ -37,7 +41,14 @@ def draw_chart(sheet: Sheet, box: Box, chart: Chart) -> None:
     axes.spines[["top", "right"]].set_visible(False)
 
 
+def widths(chart: Chart, across: float) -> list[float]:
+    """Widths of the curves: those below others are wider, so that where they run together all are seen."""
+    above = [sum(not later.dotted for later in chart.curves[at + 1 :]) for at in range(len(chart.curves))]
+    dense = max((len(curve.x) for curve in chart.curves), default=0) > DENSE * across
+    return [LINE / 3 if dense else LINE + 1.6 * count for count in above]
+
+
 def entries(chart: Chart) -> list[Entry]:
     """The legend of a chart."""
     found = [Entry("o" if curve.dotted else "-", curve.colour, curve.meaning, 4.0) for curve in chart.curves]
-    return [*found, *(Entry("-", colour, meaning, 2.0) for _, colour, meaning in chart.levels)]
+    return [*found, *(Entry("--", colour, meaning, 2.0) for _, colour, meaning in chart.levels)]

@@ -12,8 +12,8 @@ from vdoor.history import History
 from vdoor.viz.marks.kinds import Chart
 from vdoor.viz.picture.chart import draw_chart
 from vdoor.viz.picture.layout import LEAST_PICTURE, LEAST_WIDTH, MARGIN, Layout, Wanted, charts_alone, laid_out
-from vdoor.viz.picture.plan import BAR_PX, Window, draw_plan, entries
-from vdoor.viz.picture.sheet import LINE_PX, Sheet, folded, lines_of
+from vdoor.viz.picture.plan import BAR_PX, Window, draw_plan, entries, fitted
+from vdoor.viz.picture.sheet import LINE_PX, Entry, Sheet, folded, lines_of
 from vdoor.viz.picture.views import Plan, View, tabs_in, view_of_tab
 
 TITLE_PX, TEXT_PX = 18.0, 13.0
@@ -41,30 +41,39 @@ def pictures(run: History, *, tabs: Sequence[str] | None = None, size: tuple[int
 
 def picture_of(view: View, window: Window, size: tuple[int, int] = SIZE) -> bytes:
     """A view as a PNG: heading, maps with their legends, and charts."""
-    plans = [panel for panel in view.panels if isinstance(panel, Plan)]
+    plans = [Plan(panel.title, fitted(panel.marks)) for panel in view.panels if isinstance(panel, Plan)]
     charts = [panel for panel in view.panels if isinstance(panel, Chart)]
     with style.context("default"):  # whatever the user's own settings of matplotlib are
-        layout = _layout(view, plans, len(charts), window, size)
+        legends = [entries(plan.marks) for plan in plans]
+        layout = _layout(view, plans, legends, len(charts), window=window, size=size)
         sheet = Sheet(layout.width, layout.height)
         if view.sentence:
             _write_heading(sheet, view)
-        for plan, box in zip(plans, layout.maps, strict=True):
+        for plan, legend, box in zip(plans, legends, layout.maps, strict=True):
             if plan.title:
                 sheet.write(box.left, box.top - LINE_PX / 2, plan.title, size_px=TEXT_PX, fontweight="bold")
             draw_plan(sheet, box, window, plan.marks)
-            sheet.legend(entries(plan.marks), box.left, box.top + box.height + BAR_PX, layout.across)
+            sheet.legend(legend, box.left, box.top + box.height + BAR_PX, layout.across)
         for chart, box in zip(charts, layout.charts, strict=True):
             draw_chart(sheet, box, chart)
         return sheet.png()
 
 
-def _layout(view: View, plans: Sequence[Plan], charts: int, window: Window, size: tuple[int, int]) -> Layout:
+def _layout(
+    view: View,
+    plans: Sequence[Plan],
+    legends: Sequence[Sequence[Entry]],
+    charts: int,
+    *,
+    window: Window,
+    size: tuple[int, int],
+) -> Layout:
     """The layout, found twice: legends and heading need fewer lines where they have more room than the least."""
     if not plans:
         return charts_alone(charts, size[0], _head_px(view, size[0]))
     across, width = LEAST_WIDTH, LEAST_PICTURE
     for _ in range(2):
-        lines = max(lines_of(entries(plan.marks), across) for plan in plans)
+        lines = max(lines_of(legend, across) for legend in legends)
         wanted = Wanted(
             aspect=window.width / window.height,
             maps=len(plans),

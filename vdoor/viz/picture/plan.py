@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.patches import Rectangle
 from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
 from vdoor.frame import Frame
-from vdoor.viz.marks.kinds import Arrows, Cells, Dots, Lines, Mark, Places, reduced
+from vdoor.viz.marks.kinds import Arrows, Cells, Dots, Lines, Mark, Places
+from vdoor.viz.picture.cells import draw_cells
 from vdoor.viz.picture.layout import Box, free_places
 from vdoor.viz.picture.sheet import INK, POINTS_PER_PX, Entry, Sheet, hex_of, width_of
 from vdoor.viz.rerun import style
@@ -24,7 +28,7 @@ SPARE = 0.02
 """Margin around what is known, as a share of the longer side."""
 CROWD = 80
 """Marks of more elements than that are drawn smaller."""
-LEAST_CROWDED = 0.5
+LEAST_CROWDED = 0.6
 ARROW: dict[str, Any] = {
     "angles": "xy",
     "scale_units": "xy",
@@ -65,48 +69,47 @@ class Window(NamedTuple):
         own = self.frame.cell_from_world(frame.world_from_cell(cells))
         return (own[:, ::-1] + 0.5) * self.frame.resolution_m
 
+    def placed(self, frame: Frame, box: Box) -> Box:
+        """Where all of a frame would be in a picture that shows the window in a box."""
+        px_per_m = box.width / self.width
+        x, y = self.points(np.array([[-0.5, -0.5]]), frame)[0]
+        size_px = frame.resolution_m * px_per_m
+        left, top = box.left + (x - self.left) * px_per_m, box.top + (y - self.top) * px_per_m
+        return Box(float(left), float(top), frame.width * size_px, frame.height * size_px)
+
 
 def draw_plan(sheet: Sheet, box: Box, window: Window, marks: Sequence[Mark]) -> None:
     """Draw the marks, the first at the bottom, then their labels and the scale."""
     axes = sheet.axes(box)
     axes.set(xlim=(window.left, window.left + window.width), ylim=(window.top + window.height, window.top))
-    axes.set(xticks=[], yticks=[], facecolor=hex_of(style.UNKNOWN))
-    axes.spines[:].set_visible(False)
+    axes.set_axis_off()
+    corner = window.left, window.top
+    axes.add_patch(Rectangle(corner, window.width, window.height, color=hex_of(style.UNKNOWN), linewidth=0))
     px_per_m = box.width / window.width
-    for order, mark in enumerate(marks):
-        _draw(axes, window, mark, px_per_m, zorder=2 + order)
+    for order, mark in enumerate(marks, start=2):
+        if isinstance(mark, Cells):
+            draw_cells(axes, box, mark, window.placed(mark.frame, box), order)
+        else:
+            _draw(axes, window, mark, order)
     _draw_labels(sheet, box, window, marks, px_per_m)
     _draw_bar(sheet, box, px_per_m)
 
 
-def entries(marks: Sequence[Mark]) -> list[Entry]:
-    """The legend: a line for each mark with a meaning, and for each code of cells."""
-    found: list[Entry] = []
-    for mark in marks:
-        if isinstance(mark, Cells):
-            there = np.flatnonzero(np.bincount(mark.codes.ravel())).tolist() if mark.listed else []
-            found += [Entry("s", *mark.colours[code]) for code in there if code in mark.colours]
-        elif mark.meaning:
-            sign = "o" if isinstance(mark, Dots) else ">" if isinstance(mark, Arrows) else "-"
-            found.append(Entry(sign, mark.colour, mark.meaning, mark.wide_px))  # type: ignore[attr-defined]
-    return list(dict.fromkeys(found))
+def fitted(marks: Sequence[Mark]) -> list[Mark]:
+    """The marks as they are drawn: none without elements, and smaller where there are many of a kind and size."""
+    sizes = [(type(mark), getattr(mark, "wide_px", 0.0)) for mark in marks]
+    total = Counter[tuple[type, float]]()
+    for own, mark in zip(sizes, marks, strict=True):
+        total[own] += _count(mark)
+    return [
+        replace(mark, wide_px=mark.wide_px * crowded(total[own])) if isinstance(mark, Dots | Lines) else mark
+        for own, mark in zip(sizes, marks, strict=True)
+        if _count(mark)
+    ]
 
 
-def _draw(axes: Axes, window: Window, mark: Mark, px_per_m: float, zorder: float) -> None:
-    if isinstance(mark, Cells):
-        _draw_cells(axes, window, mark, px_per_m, zorder)
-    elif isinstance(mark, Dots):
-        x, y = window.points(mark.cell, mark.frame).T
-        size = mark.wide_px * crowded(len(x)) * POINTS_PER_PX
-        axes.plot(x, y, "o", color=hex_of(mark.colour), markersize=size, markeredgewidth=0, zorder=zorder)
-    elif isinstance(mark, Lines):
-        x, y = _joined(mark, window)
-        wide = mark.wide_px * crowded(len(mark.strips)) * POINTS_PER_PX
-        axes.plot(x, y, color=hex_of(mark.colour), linewidth=wide, solid_capstyle="round", zorder=zorder)
-    elif isinstance(mark, Arrows):
-        start, end = (window.points(cell, mark.frame) for cell in (mark.cell, mark.cell + mark.vector))
-        by = end - start
-        axes.quiver(*start.T, *by.T, color=hex_of(mark.colour), width=mark.wide_px, zorder=zorder, **ARROW)
+def _count(mark: Mark) -> int:
+    return len(mark.strips) if isinstance(mark, Lines) else len(mark.cell) if isinstance(mark, Dots | Arrows) else 1
 
 
 def crowded(count: int) -> float:
@@ -114,46 +117,40 @@ def crowded(count: int) -> float:
     return max(math.sqrt(CROWD / max(count, CROWD)), LEAST_CROWDED)
 
 
+def entries(marks: Sequence[Mark]) -> list[Entry]:
+    """The legend: a line for each mark with a meaning, and for each code of cells."""
+    found: list[Entry] = []
+    for mark in marks:
+        if isinstance(mark, Cells):
+            there = [code for code in sorted(mark.colours) if mark.listed and (mark.codes == code).any()]
+            found += [Entry("s", *mark.colours[code]) for code in there]
+        elif mark.meaning:
+            sign = "o" if isinstance(mark, Dots) else ">" if isinstance(mark, Arrows) else "-"
+            found.append(Entry(sign, mark.colour, mark.meaning, mark.wide_px))  # type: ignore[attr-defined]
+    return list(dict.fromkeys(found))
+
+
+def _draw(axes: Axes, window: Window, mark: Mark, zorder: float) -> None:
+    if isinstance(mark, Dots):
+        x, y = window.points(mark.cell, mark.frame).T
+        size = mark.wide_px * POINTS_PER_PX
+        axes.plot(x, y, "o", color=hex_of(mark.colour), markersize=size, markeredgewidth=0, zorder=zorder)
+    elif isinstance(mark, Lines):
+        x, y = _joined(mark, window)
+        wide = mark.wide_px * POINTS_PER_PX
+        axes.plot(x, y, color=hex_of(mark.colour), linewidth=wide, solid_capstyle="round", zorder=zorder)
+    elif isinstance(mark, Arrows):
+        start, end = (window.points(cell, mark.frame) for cell in (mark.cell, mark.cell + mark.vector))
+        by = end - start
+        axes.quiver(*start.T, *by.T, color=hex_of(mark.colour), width=mark.wide_px, zorder=zorder, **ARROW)
+
+
 def _joined(mark: Lines, window: Window) -> tuple[Floats, Floats]:
     """All lines as one, parted by nan: it is drawn far sooner than many."""
-    if not len(mark.strips):
-        return np.zeros(0), np.zeros(0)
     ends = np.cumsum([len(strip) for strip in mark.strips])[:-1]
     places = window.points(np.concatenate([*mark.strips]), mark.frame)
     x, y = np.insert(places, ends, np.nan, axis=0).T
     return x, y
-
-
-def _draw_cells(axes: Axes, window: Window, mark: Cells, px_per_m: float, zorder: float) -> None:
-    """Draw the part of a raster within the window, reduced to about the pixels that there are."""
-    frame = mark.frame
-    size_m = frame.resolution_m
-    corner = window.points(np.array([[-0.5, -0.5]]), frame)[0]
-    first, last = (
-        np.clip((np.array([at, at + length]) - corner[axis]) / size_m, 0, mark.codes.shape[1 - axis])
-        for axis, (at, length) in enumerate(((window.left, window.width), (window.top, window.height)))
-    )
-    (left, right), (top, bottom) = ((int(own[0]), math.ceil(own[1])) for own in (first, last))
-    if left >= right or top >= bottom:
-        return
-    codes = mark.codes[top:bottom, left:right]
-    by = max(int(1 / (size_m * px_per_m)), 1)
-    codes = reduced(codes, by) if by > 1 else codes
-    x, y = corner + np.array([left, top]) * size_m
-    extent = (x, x + codes.shape[1] * by * size_m, y + codes.shape[0] * by * size_m, y)
-    palette = palette_of(mark.colours, int(codes.max(initial=0)), mark.opacity)
-    axes.imshow(palette[codes], extent=extent, interpolation="nearest", aspect="auto", zorder=zorder)
-    axes.set(xlim=(window.left, window.left + window.width), ylim=(window.top + window.height, window.top))
-
-
-def palette_of(colours: Any, most: int, opacity: float) -> NDArray[np.uint8]:
-    """Red, green, blue and opacity (codes, 4) of each code."""
-    palette = np.zeros((most + 1, 4), np.uint8)
-    for code, (colour, _) in colours.items():
-        if code <= most:
-            palette[code] = (*colour, 255)[:4]
-    palette[:, 3] = palette[:, 3] * opacity
-    return palette
 
 
 def _draw_labels(sheet: Sheet, box: Box, window: Window, marks: Sequence[Mark], px_per_m: float) -> None:

@@ -33,7 +33,7 @@ class Entry(NamedTuple):
     """A line of a legend."""
 
     sign: str
-    """``s`` cells, ``o`` dots, ``-`` lines, ``>`` arrows."""
+    """``s`` cells, ``o`` dots, ``-`` lines, ``--`` dashed lines, ``>`` arrows."""
     colour: Sequence[int]
     text: str
     wide_px: float = 8.0
@@ -78,9 +78,11 @@ class Sheet:
         if entry.sign == "s":
             look |= {"marker": "s", "markersize": 12 * POINTS_PER_PX, "markeredgecolor": EDGE, "markeredgewidth": 0.5}
         elif entry.sign == "o":
-            look |= {"marker": "o", "markersize": max(wide, 4), "markeredgewidth": 0}
+            look |= {"marker": "o", "markersize": max(wide, 2.5), "markeredgewidth": 0}
         elif entry.sign == ">":
             look |= {"marker": ">", "markevery": [1], "markersize": 5}
+        elif entry.sign == "--":
+            look |= {"linestyle": (0, (2.5, 1.2))}
         xs = [x + 11] if entry.sign in "so" else [x, x + 18]
         self.figure.add_artist(Line2D(xs, [y] * len(xs), linewidth=max(wide, 1.0), **look))
 

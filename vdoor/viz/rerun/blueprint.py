@@ -36,12 +36,33 @@ rejected doors, are switched on in the panel at the left.
 """
 
 WORKING = "map/simplified"
-ANGLES = "Angle in degrees by metres along the boundary: candidates blue (convex) and green (concave), threshold red"
-COSTS = "Cost by generation: best green, mean blue, worst grey, proven bound pink"
+COLOURS = {
+    "Simplified": (
+        "Pink: unreachable, now unknown. Orange: a bump, yellow: furniture, violet: a thin unknown line, red: unseen "
+        "floor of a doorway; all now free. Light blue: a dent, filled. Teal: a slit, closed."
+    ),
+    "Path": "Arrows show the way. The red dot is the walker; the timeline `sample` moves it.",
+    "Curvature": (
+        "Blue: nearly straight; from yellow over orange to red: ever sharper. At the red dot, a red arrow ahead and a "
+        "violet one back have the angle between them."
+    ),
+    "Corners": "Blue: convex. Green: concave.",
+    "Doors": (
+        "Blue: proposed. Off at first: orange, blocked by a wall; olive, both ends on one wall; light blue, duplicate; "
+        "violet, too narrow; dark, no gap."
+    ),
+    "Scores": "Pink lines join doors of which only one can be kept.",
+    "Initial map": "Blue: doors. Yellow: the regions' nodes. Red: the graph's links.",
+    "Search": "Red: kept. Greyish blue: removed.",
+    "Rooms": "Red: doors with their numbers, and the links of the graph. Yellow: rooms with their numbers and areas.",
+}
+"""What colours mean in the viewer, which has no legend."""
+ANGLES = "Angle in degrees, by metres of boundary; threshold red"
+COSTS = "Cost by generation: best green, mean blue, worst grey, bound pink"
 TERMS = "Terms of eq. 7 by generation: small rooms green, spread of areas blue, tilt grey"
-MARGIN = 60.0
+MARGIN = 45.0
 """Around the graph, for the labels at its edge."""
-SENTENCE_SHARE = 11.0
+SENTENCE_SHARE = 9.0
 """Height of a tab's view over that of its sentence."""
 
 Settings = Mapping[str, Any]
@@ -81,6 +102,11 @@ def blueprint(info: RunInfo) -> rrb.Blueprint:
         auto_views=False,
         auto_layout=False,
     )
+
+
+def told(tab: str) -> str:
+    """What is seen in a tab, and what its colours mean."""
+    return f"{sentence_of(tab)} {COLOURS.get(tab, '')}".rstrip()
 
 
 def explained(tab: str, content: Content) -> rrb.Container:
@@ -133,7 +159,7 @@ def path() -> Content:
 def curvature() -> Content:
     """Tab with the boundary in colours of its angle, and the chart of the angle."""
     walk = flat("Sharp bends are red", WORKING, "map/curvature/**", "map/walker", "map/vectors")
-    return rrb.Vertical(walk, curve(), row_shares=[3, 2])
+    return rrb.Horizontal(walk, curve(), column_shares=[3, 2])
 
 
 def corners() -> Content:
@@ -184,7 +210,7 @@ def initial_map() -> Content:
 
 def search(settings: Settings) -> Content:
     """Tab with the kept doors, the cost by generation, and the certificate or the terms of the cost."""
-    kept = flat("Kept (red) and removed (grey)", WORKING, "map/search/**")
+    kept = flat("Doors kept and removed", WORKING, "map/search/**")
     scored = includes(settings, "score") or not settings
     terms = [] if scored else [view_of_chart("charts/terms", TERMS)]
     proof = [rrb.TextDocumentView(origin="certificate", name="Certificate")] if includes(settings, "certify") else []
@@ -200,7 +226,7 @@ def rooms() -> Content:
 
 def route() -> Content:
     """Tab with the route over the rooms."""
-    return flat("Route", "input/map", "rooms/rooms", "rooms/doors", "route/**", origin="/")
+    return flat("Route", "input/map", "rooms/rooms", "rooms/doors", "rooms/labels", "route/**", origin="/")
 
 
 def coverage() -> Content:

@@ -18,6 +18,8 @@ from vdoor.viz.rerun.scene import Scene
 WIDTH, HEIGHT = 900.0, 360.0
 """Size of a chart in the units of its view."""
 TICKS = 6
+FAR = 20.0
+"""Points are drawn up to that many heights of a chart above it: lines to them leave the view at their own slope."""
 Floats = NDArray[np.float64]
 
 
@@ -39,10 +41,10 @@ def draw_chart(scene: Scene, entity: str, chart: Chart) -> None:
 
 
 def placed(chart: Chart, x: Floats, y: Floats) -> Floats:
-    """Points (k, 2) of a chart in the units of its view, x right and y down; what is above the axis is at its end."""
+    """Points (k, 2) of a chart in the units of its view, x right and y down; what is above the axis is out of view."""
     (left, right), (low, high) = ends(chart), limits(chart)
     across = (np.asarray(x, np.float64) - left) / max(right - left, 1e-12) * WIDTH
-    down = (high - np.clip(y, low, high)) / max(high - low, 1e-12) * HEIGHT
+    down = (high - np.clip(y, low, high + FAR * (high - low))) / max(high - low, 1e-12) * HEIGHT
     return np.stack([across, down], axis=1)
 
 

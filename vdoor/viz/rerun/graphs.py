@@ -13,7 +13,7 @@ from vdoor.viz.rerun import style
 from vdoor.viz.rerun.chart import draw_chart
 from vdoor.viz.rerun.scene import Scene, pixels
 
-SIDE = 1000.0
+SIDE = 450.0
 """Graphs are scaled to a square of that side."""
 COSTS = {"best": style.BEST, "mean": style.MEAN, "worst": style.WORST}
 

@@ -18,11 +18,11 @@ import rerun.blueprint as rrb
 
 from vdoor.emit import RunInfo
 from vdoor.errors import VdoorError, say
-from vdoor.explain.stages import sentence_of, tabs_of
+from vdoor.explain.stages import tabs_of
 from vdoor.partial import Partial
 from vdoor.pipeline import emitted
 from vdoor.record import Record
-from vdoor.viz.rerun.blueprint import blueprint, description, says
+from vdoor.viz.rerun.blueprint import blueprint, description, says, told
 from vdoor.viz.rerun.draw import draw_record
 from vdoor.viz.rerun.program import HOST, end, free_port, listening, start, wait_until_listening
 from vdoor.viz.rerun.pump import Pump
@@ -56,7 +56,7 @@ class RerunSink:
         self._scene = Scene(stream)
         self._scene.threshold_deg = info.settings.get("candidates", {}).get("angle_deg", self._scene.threshold_deg)
         for tab in tabs_of(emitted(info), info.settings):
-            self._scene.keep(says(tab), rr.TextDocument(sentence_of(tab), media_type="text/markdown"))
+            self._scene.keep(says(tab), rr.TextDocument(told(tab), media_type="text/markdown"))
         self._scene.keep("description", rr.TextDocument(described(info), media_type="text/markdown"))
 
     @classmethod

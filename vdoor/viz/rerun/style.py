@@ -45,15 +45,15 @@ THRESHOLD: Colour = (214, 50, 60)
 
 DOOR: Colour = (36, 92, 230)
 KEPT: Colour = (214, 50, 60)
-REMOVED: Colour = (150, 160, 190)
+REMOVED: Colour = (104, 116, 164)
 REJECTED: dict[str, Colour] = {
-    "blocked": (200, 120, 40),
-    "same wall": (150, 150, 120),
-    "no gap": (120, 120, 120),
-    "duplicate": (120, 170, 190),
-    "too narrow": (170, 120, 170),
+    "blocked": (214, 110, 20),
+    "same wall": (128, 134, 40),
+    "no gap": (70, 70, 80),
+    "duplicate": (30, 146, 190),
+    "too narrow": (160, 60, 160),
 }
-JUDGED: dict[str, Colour] = {"unlikely": (150, 150, 120), "outdone": (200, 120, 40)}
+JUDGED: dict[str, Colour] = {"unlikely": (128, 134, 40), "outdone": (30, 146, 190)}
 DOUBTFUL: Colour = (240, 150, 30)
 SURE: Colour = (20, 120, 60)
 SURE_LOG_ODDS = 4.0

@@ -63,6 +63,7 @@ function drawLabels() {
     const text = shape(group("names"), "text", { class: "door" }, door.id);
     labels.push({ size, at: door.at, lift: -0.95, scale: 0.85, least: 14, text });
   }
+  labels.sort((one, other) => other.size - one.size);
 }
 
 function showResult() {

@@ -1,6 +1,7 @@
 /* Zoom: the visible part of the map, in cells */
 
 const NEAREST = 4; // cells across, at the highest zoom
+const SQUARE = 50; // pixels
 let view = data.view;
 
 function unit() {
@@ -21,15 +22,31 @@ function showView(next) {
   fitScale();
 }
 
+/* A label that would cover one before it is left out; those of large rooms come first. Places are kept by squares of the window. */
 function fitLabels() {
   const cells = unit();
+  const taken = new Map();
   for (const { size, at, lift, scale, least, text } of labels) {
     const high = 13 * scale * cells;
-    text.style.display = size / cells < least ? "none" : "";
+    const y = at[1] + lift * 13 * cells;
+    const shown = size / cells >= least && isFree(taken, [at[0] / cells, y / cells], [text.textContent.length * 8 * scale, 14 * scale]);
+    text.style.display = shown ? "" : "none";
+    if (!shown) continue;
     text.setAttribute("font-size", high);
     text.setAttribute("x", at[0]);
-    text.setAttribute("y", at[1] + lift * 13 * cells);
+    text.setAttribute("y", y);
   }
+}
+
+function isFree(taken, [x, y], [width, height]) {
+  const box = [x - width / 2, y - height / 2, x + width / 2, y + height / 2];
+  const squares = [];
+  for (let right = Math.floor(box[0] / SQUARE); right <= box[2] / SQUARE; right++)
+    for (let down = Math.floor(box[1] / SQUARE); down <= box[3] / SQUARE; down++) squares.push(`${right} ${down}`);
+  const near = squares.flatMap((square) => taken.get(square) ?? []);
+  if (near.some((other) => box[0] < other[2] && other[0] < box[2] && box[1] < other[3] && other[1] < box[3])) return false;
+  for (const square of squares) taken.set(square, [...(taken.get(square) ?? []), box]);
+  return true;
 }
 
 function fitScale() {
