@@ -132,7 +132,7 @@ class Pipeline(WithTasks):
         certificate = self.certify(problem, best)
         if certificate is not None:
             emit(certificate)
-        merged = self.merge(opened.grid, simplified, initial, best, problem)
+        merged = self.merge(opened.grid, simplified, initial, best, problem, path=path)
         topology, edits = self.edit(merged, opened)
         if edits is not None:
             emit(edits)
@@ -166,7 +166,7 @@ PRESETS: dict[str, AnyPipeline] = {
             gap_m=0.2,
         ),
         divide=DivideRooms(in_input=True),
-        merge=MergeRooms(passages=False, half_seen_m=0.25),
+        merge=MergeRooms(passages=False, half_seen_m=0.25, straight_m=0.4),
         doors=ProposeWideDoors(),
         score=ScoreDoors(),
         cost=DoorEnergy(further_bias=1.0),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import socket
 import subprocess
 import sys
@@ -21,6 +22,7 @@ from pyarrow import csv, parquet
 from vdoor.batch.job import Recipe, done
 from vdoor.batch.sources import Item, items_of, maps_among
 from vdoor.errors import VdoorError
+from vdoor.experiments.cases import map_files
 from vdoor.goldens import MAPS
 from vdoor.results.writing import map_server_yaml
 
@@ -156,3 +158,16 @@ def put(url: str, data: bytes) -> None:
         else:
             return
     raise AssertionError(f"no server: {url}")
+
+
+def test_a_pipe_as_a_list_or_manifest_is_refused_at_once(tmp_path: Path) -> None:
+    for name in ("list.txt", "all.csv"):
+        os.mkfifo(tmp_path / name)
+        with pytest.raises(VdoorError, match=rf"wanted a list of maps, found a device or pipe.*{name}$"):
+            items_of([str(tmp_path / name)])
+
+
+def test_every_command_finds_the_same_maps_in_a_folder(folder: Path) -> None:
+    for name in ("truth.json", "map_gt_segmentation.png"):
+        (folder / name).write_bytes(b"")
+    assert [path.name for path in map_files(folder)] == names([str(folder)]) == ["map.yaml", "other.npy"]

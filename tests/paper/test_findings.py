@@ -273,7 +273,7 @@ def test_a_door_between_more_than_two_rooms_is_counted_once() -> None:
     grid = drawing(CROSSING)()
     stage = stages(grid)
     problem = MergeProblem(stage.initial, MapCost())
-    found = MergeRooms()(grid, stage.simplified, stage.initial, everything_kept(problem), problem)
+    found = MergeRooms()(grid, stage.simplified, stage.initial, everything_kept(problem), problem, path=stage.path)
     ends = {(door.start_m, door.end_m) for door in found.doors}
     assert len(virtual_doors_m(found)) < len(found.doors)
     assert len(virtual_doors_m(found)) == len(ends)

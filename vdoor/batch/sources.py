@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from vdoor.errors import MapError, SettingError, VdoorError
-from vdoor.evaluate.reference import bare_name
+from vdoor.evaluate.reference import ENDINGS, bare_name
 from vdoor.files import read_regular
 from vdoor.formats import READERS
 
@@ -20,8 +20,8 @@ MAPS = frozenset(suffix for reader in READERS for suffix in reader.suffixes)
 DESCRIPTIONS = (".yaml", ".yml")
 LISTS, TABLES = (".txt",), (".csv", ".parquet")
 NUMBERS = ("resolution_m", "robot_x_m", "robot_y_m")
-MOST_LIST = 1 << 30
-"""Bytes of a list or manifest."""
+MOST_BYTES = 1 << 28
+"""Largest list or manifest: a million maps take a tenth of it."""
 TRUTHS = ("_truth.json", "_truth.png")
 """What `vdoor synth` writes beside a map."""
 
@@ -71,9 +71,14 @@ def maps_among(names: Sequence[str]) -> list[str]:
     return [name for name in files if name.lower().endswith(DESCRIPTIONS) or posixpath.splitext(name)[0] not in stems]
 
 
+def maps_in(folder: Path) -> list[Path]:
+    """The maps of a folder here, as `maps_among` chooses them."""
+    return [Path(name) for name in maps_among([str(path) for path in folder.iterdir() if path.is_file()])]
+
+
 def _is_no_truth(name: str) -> bool:
     path = Path(posixpath.basename(name))
-    return bare_name(path) == path.stem
+    return bare_name(path) == path.stem and f"_{path.stem}" not in ENDINGS
 
 
 def _files(source: str) -> list[str]:
@@ -103,7 +108,7 @@ def _remote_files(source: str) -> list[str]:
 def _lines(source: str) -> Iterator[Mapping[str, Any]]:
     """The lines of a text file as rows with a map alone; empty ones and those with # are skipped."""
     try:
-        lines = _bytes(source).decode().splitlines()
+        lines = _list_bytes(source).decode().splitlines()
     except UnicodeDecodeError as error:
         raise VdoorError(f"list: wanted a text of paths in UTF-8, found other bytes: {source}") from error
     yield from ({"map": line.strip()} for line in lines if line.strip() and not line.startswith("#"))
@@ -114,7 +119,7 @@ def _rows(source: str) -> Iterator[Mapping[str, Any]]:
     import pyarrow as pa  # noqa: PLC0415  # takes a while
     from pyarrow import csv, parquet  # noqa: PLC0415
 
-    data = pa.BufferReader(_bytes(source))
+    data = pa.BufferReader(_list_bytes(source))
     try:
         text = csv.ConvertOptions(column_types=dict.fromkeys(("map", "reference"), pa.string()))
         is_csv = source.lower().endswith(".csv")
@@ -171,12 +176,17 @@ def _naming(url: str) -> Iterator[None]:
         raise MapError(f"file: wanted a file that can be read, found {reason}: {url}") from error
 
 
-def _bytes(source: str) -> bytes:
-    """The bytes of a file or URL."""
-    with _naming(source):
-        if "://" not in source:
-            return read_regular(Path(source), "a list of maps", limit=MOST_LIST)
-        system, path = _system(source)
+def _list_bytes(source: str) -> bytes:
+    """The bytes of a list or manifest, here or at a URL."""
+    if "://" not in source:
+        return read_regular(Path(source), "a list of maps", limit=MOST_BYTES)
+    return _bytes(source)
+
+
+def _bytes(url: str) -> bytes:
+    """The bytes of what a URL names."""
+    with _naming(url):
+        system, path = _system(url)
         return bytes(system.cat_file(path))
 
 
@@ -206,5 +216,5 @@ def at_hand(place: str, home: Path, *, beside: Iterable[str] = ()) -> Iterator[P
 def _needed(path: Path) -> Iterable[str]:
     """Names of further files that a map's file refers to, below its own folder."""
     reader = next((reader for reader in READERS if path.suffix.lower() in reader.suffixes), None)
-    names = reader.needs(path.read_bytes()) if reader else ()
+    names = reader.needs(read_regular(path, "a map", limit=MOST_BYTES)) if reader else ()
     return [name for name in names if not posixpath.isabs(name) and ".." not in name.split("/")]

@@ -21,7 +21,6 @@ if TYPE_CHECKING:
 T = TypeVar("T")
 R = TypeVar("R")
 PROGRESS_EVERY = 50
-MAP_SUFFIXES = (".yaml", ".pgm", ".png", ".json")
 
 
 def synth(
@@ -139,19 +138,10 @@ def cover_bench(
 
 def _grids(maps: list[Path], resolution_m: float | None) -> dict[str, OccupancyGrid]:
     """The grids of maps and of those in folders, by file name."""
-    files = [file for path in maps for file in (_maps_in(path) if path.is_dir() else [path])]
+    from vdoor.experiments.cases import map_files
+
+    files = [file for path in maps for file in map_files(path)]
     return {path.name: read_grid(path, quiet=True, resolution_m=resolution_m) for path in files}
-
-
-def _maps_in(folder: Path) -> list[Path]:
-    """The maps of a folder, without label images, truth, and images that belong to a YAML."""
-    found = [path for suffix in MAP_SUFFIXES for path in sorted(folder.glob(f"*{suffix}"))]
-    owned = {path.with_suffix("").name for path in found if path.suffix == ".yaml"}
-    return [path for path in found if not (path.suffix != ".yaml" and path.stem in owned) and _is_map(path)]
-
-
-def _is_map(path: Path) -> bool:
-    return not any(word in path.stem for word in ("truth", "segmentation"))
 
 
 def map_statistics(

@@ -8,16 +8,11 @@ from pathlib import Path
 
 import numpy as np
 
+from vdoor.batch.sources import maps_in
 from vdoor.errors import VdoorError
 from vdoor.evaluate import Division, MapChoice, Reference, marked_doors, read_reference, rooms_of
 from vdoor.evaluate.cases import references_in, serving
-from vdoor.evaluate.division import IMAGES
-from vdoor.evaluate.reference import bare_name
-from vdoor.formats import READERS
 from vdoor.synth import SyntheticMap
-
-DESCRIPTIONS = (".yaml", ".yml")
-SUFFIXES = tuple(suffix for reader in READERS for suffix in reader.suffixes)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -85,15 +80,7 @@ def read_trials(maps: Path, choice: Choice) -> Trials:
 
 def map_files(path: Path) -> list[Path]:
     """The map, or the maps in a folder, sorted by name, without references and without images that have a YAML."""
-    if not path.is_dir():
-        return [path]
-    files = sorted(entry for entry in path.iterdir() if entry.is_file() and entry.suffix.lower() in SUFFIXES)
-    described = {entry.stem for entry in files if entry.suffix.lower() in DESCRIPTIONS}
-    return [
-        entry
-        for entry in files
-        if bare_name(entry) == entry.stem and not (entry.suffix.lower() in IMAGES and entry.stem in described)
-    ]
+    return maps_in(path) if path.is_dir() else [path]
 
 
 def _trial(path: Path, reference: Path, key: str | None, choice: Choice) -> Trial:

@@ -6,7 +6,7 @@ import json
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from vdoor.export.geometry import line_m, refuse_not_finite, right_handed
+from vdoor.export.geometry import Point, line_m, refuse_not_finite, right_handed, to_mm
 from vdoor.topology import Door, Room, TopologicalMap
 
 
@@ -19,14 +19,20 @@ def to_geojson(topology: TopologicalMap) -> str:
     refuse_not_finite(topology)
     rooms = [feature(*_shape(room), _room(room), id=f"room-{room.id}") for room in topology.rooms]
     doors = [
-        feature("LineString", line_m(topology, door), _door(door), id=f"door-{door.id}") for door in topology.doors
+        feature("LineString", _in_mm(line_m(topology, door)), _door(door), id=f"door-{door.id}")
+        for door in topology.doors
     ]
     return collection_text("vdoor", [*rooms, *doors])
 
 
+def _in_mm(points_m: Iterable[Point]) -> tuple[Point, ...]:
+    """Points rounded to the millimetre."""
+    return tuple(map(to_mm, points_m))
+
+
 def _shape(room: Room) -> tuple[str, tuple[Any, ...]]:
     """The kind of geometry and its coordinates: a polygon, or several for a room of several parts."""
-    parts = tuple(right_handed(part) for part in room.parts_m)
+    parts = tuple(tuple(_in_mm(ring) for ring in right_handed(part)) for part in room.parts_m)
     return ("Polygon", parts[0]) if len(parts) == 1 else ("MultiPolygon", parts)
 
 
@@ -35,8 +41,8 @@ def _room(room: Room) -> dict[str, object]:
         "type": "room",
         "room": room.id,
         "name": room.name,
-        "area_m2": room.area_m2,
-        "centre_m": room.centre_m,
+        "area_m2": round(room.area_m2, 3),
+        "centre_m": to_mm(room.centre_m),
         "neighbours": room.neighbours,
     }
 
@@ -47,11 +53,11 @@ def _door(door: Door) -> dict[str, object]:
         "door": door.id,
         "rooms": door.rooms,
         "kind": door.kind,
-        "width_m": door.width_m,
-        "length_m": door.length_m,
-        "tilt_deg": door.tilt_deg,
-        "start_m": door.start_m,
-        "end_m": door.end_m,
+        "width_m": round(door.width_m, 3),
+        "length_m": round(door.length_m, 3),
+        "tilt_deg": round(door.tilt_deg, 2),
+        "start_m": to_mm(door.start_m),
+        "end_m": to_mm(door.end_m),
     }
 
 

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from vdoor.config import Within
 from vdoor.grid import FREE, OccupancyGrid
+from vdoor.method.boundary import BoundaryPath
 from vdoor.method.final_doors import SILL, door_rows, matched_to_contacts, on_sill
 from vdoor.method.finished import Features, map_of
 from vdoor.method.initial_map import InitialMap
@@ -20,6 +21,8 @@ from vdoor.method.search.incremental import FlipState
 from vdoor.method.search.order import RoomOrder
 from vdoor.method.search.problem import Bits, MergeProblem
 from vdoor.method.simplify import SimplifiedGrid
+from vdoor.method.straight_doors import set_straight
+from vdoor.method.wall_direction import wall_direction_rad
 from vdoor.raster.labels import at_input, flooded, half_seen, handed_on, numbered, whole
 from vdoor.raster.runs import runs_of
 from vdoor.topology import TopologicalMap
@@ -39,6 +42,10 @@ class MergeRooms:
     """Free cells apart from all rooms are assigned to one across unknown gaps up to this wide, as part of a room that
     was seen as single rays; 0 leaves them without (paper). Only without `passages`."""
 
+    straight_m: Annotated[float, Within(0, 2)] = 0.0
+    """Ends of doors that lie askew across an opening move along their walls by up to this, so that the doors are square
+    to the walls; 0 leaves them (paper)."""
+
     def __call__(
         self,
         grid: OccupancyGrid,
@@ -46,12 +53,17 @@ class MergeRooms:
         initial: InitialMap,
         best: Generation,
         problem: MergeProblem,
+        *,
+        path: BoundaryPath,
     ) -> TopologicalMap:
         """Rooms and doors; kept doors that separate nothing are dropped, unless the search already removed them."""
         room_of_piece, rows = merged(problem, best.removed)
         pieces = runs_of(initial.piece)
-        rooms = pieces.labelled(room_of_piece[pieces.label - 1])
-        labels = whole(at_input(rooms.image(), simplified.factor, grid.free))
+        working = pieces.labelled(room_of_piece[pieces.label - 1]).image()
+        if self.straight_m > 0:
+            free, wall_rad = simplified.cells == FREE, wall_direction_rad(path)
+            initial, working = set_straight(free, initial, working, rows, reach_m=self.straight_m, wall_rad=wall_rad)
+        labels = whole(at_input(working, simplified.factor, grid.free))
         if not self.passages:
             inner = at_input(simplified.cells == FREE, simplified.factor, grid.free)
             labels = handed_on(flooded(labels, inner), grid.free)
