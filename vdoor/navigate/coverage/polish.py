@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from vdoor.navigate.coverage.floor import SNAP, enlarged
 from vdoor.navigate.coverage.losses import Losses, Segments
-from vdoor.navigate.coverage.path import KINDS, Path, bends_rad, norms
+from vdoor.navigate.coverage.path import Path, bends_rad, norms
 from vdoor.navigate.coverage.sweep import Tool, consecutive
 
 Mask = NDArray[np.bool_]
@@ -36,7 +36,6 @@ KEPT = 100_000
 """A cell that is not given up counts as so many."""
 LONGEST_EXTENSION = 3.0
 """Two bends become one only if their outer segments meet within so many widths of the tool."""
-WALL = KINDS.index("wall")
 EPSILON = 1e-6
 
 
@@ -144,7 +143,7 @@ class Polish:
 
     def _possible(self, path: Path, active: Mask, inside: shapely.Geometry) -> tuple[Changes, Floats]:
         """Changes near active points that save length or bends, and stay on the floor, and what they save (k,)."""
-        found = [_left_out(path, inner) for inner in range(1, MOST_LEFT_OUT + 1)]
+        found = [_left_out(path.point, inner) for inner in range(1, MOST_LEFT_OUT + 1)]
         found.append(_joined(path.point, 2 * LONGEST_EXTENSION * self.tool.reach))
         changes = Changes(*(np.concatenate(columns) for columns in zip(*found, strict=True)))
         near = np.cumsum(np.concatenate([[0], active]))
@@ -237,15 +236,9 @@ def _summed(old: Ints, new: Ints, size: int) -> tuple[Ints, Ints, NDArray[np.int
     return change, cell, more[differs].astype(np.int32)
 
 
-def _left_out(path: Path, inner: int) -> Changes:
-    """Each `inner` points in a row left out: their segments become one, with a point in its middle.
-
-    None that take a whole segment along a wall or an island out of the path.
-    """
-    point = path.point
-    along = np.cumsum(np.concatenate([[0], path.kind == WALL]))
+def _left_out(point: Floats, inner: int) -> Changes:
+    """Each `inner` points in a row left out: their segments become one, with a point in its middle."""
     first = np.arange(max(len(point) - 1 - inner, 0))
-    first = first[along[first + inner + 1] == along[first + 2]]
     middle = (point[first] + point[first + 1 + inner]) / 2
     return Changes(first, np.full(len(first), inner + 1), middle, np.ones(len(first), np.bool_))
 
