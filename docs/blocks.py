@@ -45,6 +45,7 @@ NOT_RUN = {
     "vdoor search-study": "takes minutes",
     "vdoor sweep --": "takes minutes",
     "vdoor train --homes 800": "takes an hour",
+    "vdoor fleet-bench": "measures for minutes",
     "python3 -m venv": "sets up what runs this",
     ".venv/bin/": "of a fresh clone",
     "pip install": "sets up what runs this",

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from maps import law
 
@@ -57,7 +57,7 @@ def test_a_stage_that_is_left_out_is_in_the_file_by_its_method_alone() -> None:
     assert (back.score, back.certify, back.doors) == (NoScores(), NoProof(), PRESETS["default"].doors)
 
 
-@law
+@settings(law, max_examples=25)
 @given(
     cell_m=st.floats(0, 10),
     robot_m=st.lists(st.floats(-1e6, 1e6), min_size=2, max_size=2),

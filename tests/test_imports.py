@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import functools
 import re
 import subprocess
 import sys
@@ -25,7 +26,8 @@ def table(heading: str) -> dict[str, list[str]]:
     return {row[0]: row[-1].split() for row in rows}
 
 
-def imported(path: Path) -> set[str]:
+@functools.cache
+def imported(path: Path) -> frozenset[str]:
     """Modules that a file imports, in functions and for type checking as well; ours by their own names."""
     found: set[str] = set()
     for node in ast.walk(ast.parse(path.read_text())):
@@ -34,7 +36,7 @@ def imported(path: Path) -> set[str]:
         elif isinstance(node, ast.ImportFrom) and node.module:
             names = {f"{node.module}.{alias.name}" for alias in node.names}
             found |= {name if name in MODULES else node.module for name in names}
-    return found
+    return frozenset(found)
 
 
 def part_of(path: Path) -> str:

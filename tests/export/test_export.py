@@ -354,7 +354,7 @@ def test_an_angle_read_from_degrees_is_told_as_the_same_degrees() -> None:
     assert np.array_equal(np.degrees(_radians(angle_deg)), angle_deg)
 
 
-@settings(law, max_examples=25)
+@settings(law, max_examples=12)
 @given(small_maps())
 def test_any_map_comes_out_and_reads_back(cells: Cells) -> None:
     grid = OccupancyGrid.from_array(cells, CELL_M, x_m=3.0, y_m=-70.0, yaw_rad=2.5)

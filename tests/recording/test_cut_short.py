@@ -31,7 +31,7 @@ from vdoor.recording.recover import recover
 from vdoor.recording.scan import Budget, scan
 
 FINE = HOME / "recordings" / "fine.yaml"
-EVERY = 251
+EVERY = 509
 """Bytes between cuts; beside these the ends of what comes back are tried."""
 
 
