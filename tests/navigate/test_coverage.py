@@ -16,7 +16,7 @@ from scipy import ndimage
 from scipy.spatial import cKDTree
 
 import vdoor
-from vdoor.errors import SettingError
+from vdoor.errors import SettingError, VdoorError
 from vdoor.experiments.cover_benchmark import least_changes
 from vdoor.grid import Annotations, OccupancyGrid
 from vdoor.navigate.cover_floor import Coverage, CoverFloor
@@ -377,3 +377,34 @@ def _shortest(distance: NDArray[np.float64], piece: NDArray[np.intp], start: int
         )
 
     return rest(start, frozenset(range(len(piece))))
+
+
+def test_a_path_begins_at_the_charger_that_the_map_has() -> None:
+    grid, topology = house()
+    charger_m = (1.0, 1.3)
+    own = Annotations(own_origin_cm=(0, 0), charger_m=charger_m, robot_m=(4.0, 1.0))
+    found = CoverFloor(unit="room", end="start").found(grid, topology, own)
+    assert found.point_m[[0, -1]] == pytest.approx(np.array([charger_m] * 2), abs=CELL_M)
+    in_wall = dataclasses.replace(own, charger_m=(0.0, 0.0))  # then from where the robot is
+    assert CoverFloor(unit="room").found(grid, topology, in_wall).point_m[0] == pytest.approx([4.0, 1.0], abs=CELL_M)
+
+
+def test_a_start_on_a_line_between_rooms_is_taken_and_one_outside_all_rooms_refused() -> None:
+    grid, topology = house()
+    on_line_m = topology.doors[0].start_m
+    middle_m = np.mean([on_line_m, topology.doors[0].end_m], axis=0)
+    found = covered((grid, topology), start=f"{middle_m[0]},{middle_m[1]}")
+    assert found.point_m[0] == pytest.approx(middle_m, abs=RADIUS_M)
+    assert sorted(found.visit_room.tolist()) == [1, 2]
+    cells = np.pad(grid.cells, ((0, 0), (0, 30)), constant_values=100)
+    cells[20:34, 112:126] = 0  # a closet that is no room
+    apart = mapped(cells)
+    assert not apart[1].labels[27, 119]
+    place_m = apart[0].frame.world_from_cell(np.array([(27, 119)]))[0]
+    with pytest.raises(SettingError, match="wanted a room that the robot can reach, found none"):
+        covered(apart, start=f"{place_m[0]},{place_m[1]}")
+
+
+def test_a_map_without_rooms_is_refused() -> None:
+    with pytest.raises(VdoorError, match="no free cell"):
+        mapped(np.full((30, 30), 100, np.int8))

@@ -11,7 +11,6 @@ from vdoor.cli.navigate import (
     PLACE,
     Avoid,
     Closed,
-    Exports,
     Radius,
     Running,
     Save,
@@ -51,7 +50,13 @@ def cover(
     ] = TRADE,
     speed: Annotated[float, typer.Option(min=0.001, max=10, metavar="M/S", help="Speed of the robot.")] = 0.3,
     turn_rate: Annotated[float, typer.Option(min=0.001, max=100, metavar="RAD/S", help="Its speed in turns.")] = 1.5,
-    export: Exports = None,
+    export: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="FORMAT=FILE",
+            help="The path as csv, geojson or waypoints; fields or lanes for opennav_coverage; zones; repeatable.",
+        ),
+    ] = None,
     save: Save = None,
     mcap: Annotated[Path | None, typer.Option(metavar="FILE.mcap", help="Recording of the run with the path.")] = None,
     preset: Preset = DEFAULT_PRESET,
@@ -67,7 +72,8 @@ def cover(
     import json
 
     from vdoor.explain.coverage import document_of, figures
-    from vdoor.export.paths import DrivenPath
+    from vdoor.export.coverage_files import COVERAGE_WRITERS
+    from vdoor.export.paths import PATH_WRITERS, DrivenPath
     from vdoor.navigate.cover_floor import BACK, Coverage, CoverFloor
     from vdoor.outputs import Outputs
 
@@ -76,7 +82,8 @@ def cover(
     if keep_order and not room:
         raise SettingError("--order: wanted the rooms in order, by --room, found none")
     outputs = Outputs(save=save, mcap=mcap, force=force)
-    exports = path_exports(export or (), outputs, source, force=force)
+    formats = [*PATH_WRITERS, *COVERAGE_WRITERS]
+    exports = path_exports(export or (), formats, outputs, source, force=force)
     task = CoverFloor(
         unit=unit,
         rooms=tuple(room or ()),
@@ -108,5 +115,7 @@ def cover(
         for number, done_s in zip(found.visit_room.tolist(), found.visit_done_s.tolist(), strict=True):
             print(f"{topology.room(number).title if number else 'all rooms'}: done after {done_s:.0f} s")
     properties = {"length_m": found.length_m, "radius_m": found.radius_m, "tool_m": found.tool_m}
+    driven = DrivenPath(found.point_m, found.yaw_rad, properties)
     for item in exports:
-        item.write(DrivenPath(found.point_m, found.yaw_rad, properties))
+        of_path = PATH_WRITERS.get(item.name)
+        item.write(of_path(driven) if of_path else COVERAGE_WRITERS[item.name](found, topology))

@@ -106,11 +106,12 @@ def route(
     as_json: Json = False,
 ) -> None:
     """Find a path between rooms or places: 0 if there is one, or 1 and what is in the way."""
+    from vdoor.export.paths import PATH_WRITERS
     from vdoor.navigate.find_route import FindRoute, Route
     from vdoor.outputs import Outputs
 
     outputs = Outputs(save=save, mcap=mcap, force=force)
-    exports = path_exports(export or (), outputs, source, force=force)
+    exports = path_exports(export or (), list(PATH_WRITERS), outputs, source, force=force)
     find = FindRoute(
         start=start,
         goal=goal,
@@ -128,15 +129,17 @@ def route(
     if not found.found:
         raise typer.Exit(1)
     for item in exports:
-        item.write(_driven(found))
+        item.write(PATH_WRITERS[item.name](_driven(found)))
 
 
-def path_exports(texts: Sequence[str], outputs: Outputs, source: Path, *, force: bool) -> list[PathExport]:
-    """The files of a path that are asked for; `VdoorError` if one of them, or a recording, cannot be written."""
+def path_exports(
+    texts: Sequence[str], names: Sequence[str], outputs: Outputs, source: Path, *, force: bool
+) -> list[PathExport]:
+    """The files of a path that are asked for, in the formats `names`; `VdoorError` if one cannot be written."""
     from vdoor.export.paths import PathExport
     from vdoor.files import refuse_existing
 
-    exports = [PathExport.parse(text) for text in texts]
+    exports = [PathExport.parse(text, names) for text in texts]
     refuse_existing([*outputs.files, *(item.path for item in exports)], force=force, reads=[source])
     outputs.refuse_suffixes()
     return exports

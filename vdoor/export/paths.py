@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -71,13 +71,13 @@ class PathExport:
     path: Path
 
     @classmethod
-    def parse(cls, text: str) -> PathExport:
-        """The export of FORMAT=FILE; `SettingError` for any other text."""
+    def parse(cls, text: str, names: Iterable[str]) -> PathExport:
+        """The export of FORMAT=FILE with one of the formats `names`; `SettingError` for any other text."""
         name, equals, path = text.partition("=")
-        if not equals or not path or name not in PATH_WRITERS:
-            raise SettingError(f"--export: wanted FORMAT=FILE with {', '.join(PATH_WRITERS)}, found {text!r}")
+        if not equals or not path or name not in names:
+            raise SettingError(f"--export: wanted FORMAT=FILE with {', '.join(names)}, found {text!r}")
         return cls(name, Path(path))
 
-    def write(self, path: DrivenPath) -> Path:
+    def write(self, text: str) -> Path:
         """Write the file, whole or not at all; `VdoorError` if it cannot be written."""
-        return write_whole(self.path, PATH_WRITERS[self.name](path).encode())
+        return write_whole(self.path, text.encode())

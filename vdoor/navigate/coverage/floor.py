@@ -117,9 +117,9 @@ def _spans(first: NDArray[np.intp], count: int) -> list[tuple[int, int]]:
     return list(zip(first.tolist(), [*first[1:].tolist(), count], strict=True))
 
 
-def enlarged(shape: shapely.Polygon | shapely.MultiPolygon, distance: float) -> shapely.Geometry:
+def enlarged(shape: shapely.Geometry, distance: float) -> shapely.Geometry:
     """A shape grown by a distance, with its corners, ready to be asked often."""
-    larger = shape.buffer(distance, join_style="mitre")
+    larger: shapely.Geometry = shapely.buffer(shape, distance, join_style="mitre")
     shapely.prepare(larger)
     return larger
 

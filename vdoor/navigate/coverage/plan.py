@@ -17,7 +17,7 @@ from vdoor.navigate.coverage.net import Net
 from vdoor.navigate.coverage.path import Path
 from vdoor.navigate.coverage.pieces import Piece, Rest, lanes, wall_passes
 from vdoor.navigate.coverage.polish import Polish
-from vdoor.navigate.coverage.sweep import Tool, finer
+from vdoor.navigate.coverage.sweep import Tool, finer, inside_rings
 from vdoor.navigate.coverage.tour import tour_of
 from vdoor.navigate.coverage.visits import Parts, Round, Visit
 from vdoor.navigate.space import Space
@@ -33,6 +33,9 @@ LARGEST_CELL_M = 0.03
 LEAST_AREA, LEAST_BY_LEAVE = 0.15, 7.5
 """A smaller uncovered place gets no lane, in squares of the tool's width; less if less may stay uncovered: so many
 times that share."""
+
+SMALL_ISLAND = 6.0
+"""What stands free is swept all around if the way around it is at most so long, in widths of the tool."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -79,11 +82,19 @@ def cover(task: Task) -> Covered:
     site = Site(floor, tool, wanted, task.labels, min(LEAST_AREA, LEAST_BY_LEAVE * task.leave))
     parts = room_parts(site.floor, task.labels)
     chosen = [number for room in task.rooms for number, part in enumerate(parts) if part.room == room]
+    if not chosen:
+        return Covered(Path.along(task.start[None], "way", 0), [], wanted, tool)
     ends = np.stack([nearest_on(site.floor, at) for at in (task.start, task.start if task.end is None else task.end)])
     ways = Parts.of(site.floor, [part.floor for part in parts], ends)
     tour = ways.round(chosen, ends=task.end is not None, ordered=task.ordered)
     polish = Polish(
-        floor=floor, tool=tool, wanted=wanted, kept=site.thresholds, trade=task.trade, bend=task.bend, leave=task.leave
+        floor=floor,
+        tool=tool,
+        wanted=wanted,
+        kept=site.thresholds | _beside_small_islands(tool, floor),
+        trade=task.trade,
+        bend=task.bend,
+        leave=task.leave,
     )
     path = polish(_driven(site, parts, tour))
     return Covered(path, [parts[visit.part].room for visit in tour.visits], wanted, tool)
@@ -99,6 +110,14 @@ def _reachable(tool: Tool, floor: shapely.MultiPolygon, inset: float) -> Mask:
     rings = [shapely.get_coordinates(ring) for ring in shapely.get_rings(shapely.get_parts(floor))]
     start, end = (np.concatenate([ring[own] for ring in rings]) for own in (slice(None, -1), slice(1, None)))
     return replace(tool, reach=tool.reach + inset).reachable(start, end)
+
+
+def _beside_small_islands(tool: Tool, floor: shapely.MultiPolygon) -> Mask:
+    """The cells of the raster (h, w) beside table legs and the like, within what the tool's centre goes around."""
+    islands = [ring for part in floor.geoms for ring in part.interiors if ring.length <= SMALL_ISLAND * 2 * tool.reach]
+    rings = [tool.on_raster(shapely.get_coordinates(ring)) for ring in islands] or [np.zeros((1, 2))]
+    start, end = (np.concatenate([ring[own] for ring in rings]) for own in (slice(None, -1), slice(1, None)))
+    return inside_rings(start, end, tool.blocked.shape)
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,6 +7,7 @@ is in cells of area: `trade` times the tool's width turns a length into an area,
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -14,6 +15,7 @@ import shapely
 from numpy.typing import NDArray
 
 from vdoor.navigate.coverage.floor import SNAP, enlarged
+from vdoor.navigate.coverage.losses import Losses, Segments
 from vdoor.navigate.coverage.path import Path, bends_rad, norms
 from vdoor.navigate.coverage.sweep import Tool, consecutive
 
@@ -24,11 +26,13 @@ Floats = NDArray[np.float64]
 STEPS = (1 / 8, 1 / 4, 1 / 2, 1)
 """Polishing begins with changes that cost little: at these shares of the trade, one after the other."""
 MOST_ROUNDS = 100
+MOST_LEFT_OUT = 2
+"""Largest number of points in a row that are left out together."""
 BEND_RAD = np.radians(5.0)
 """A smaller change of heading is no bend."""
 LEAST_TRADE = 1e-3
 """At this trade a path is only made shorter where it loses nothing."""
-KEPT = 1_000_000
+KEPT = 100_000
 """A cell that is not given up counts as so many."""
 LONGEST_EXTENSION = 3.0
 """Two bends become one only if their outer segments meet within so many widths of the tool."""
@@ -71,17 +75,6 @@ class Deltas(NamedTuple):
         """What each cell (n,) counts that is not swept any more, negative if it now is, if cells are swept so often."""
         before = times[self.cell]
         return self.counts * ((before > 0).astype(np.int32) - (before + self.more > 0))
-
-
-class Round(NamedTuple):
-    """Changes that are tried at once."""
-
-    changes: Changes
-    deltas: Deltas
-    saved: Floats
-    """What they save in length and bends, in cells (k,)."""
-    gain: Floats
-    """That less the cells they lose, each alone (k,)."""
 
 
 class Draft(NamedTuple):
@@ -129,10 +122,11 @@ class Polish:
             changes, saved = self._possible(path, active, inside)
             if not len(changes.first):
                 break
-            deltas = self._deltas(path, changes)
-            lost = np.bincount(deltas.change, deltas.lost(times), minlength=len(saved))
+            lost = self._losses(path, changes).lost(times, self._counts)
             gain = share * saved - lost
-            taken = _taken(Round(changes, deltas, share * saved, gain), times, self._spare(times))
+            best = _apart(changes, gain)
+            deltas = self._deltas(path, changes.chosen(best))
+            taken = best[_taken(deltas, share * saved[best], times, self._spare(times))]
             promising = draft.promising & ~_touched(changes, np.arange(len(saved)), len(path.point))
             promising |= _touched(changes, np.flatnonzero(saved - lost > EPSILON), len(path.point))
             active = _touched(changes, np.flatnonzero(gain > EPSILON), len(path.point))
@@ -149,7 +143,8 @@ class Polish:
 
     def _possible(self, path: Path, active: Mask, inside: shapely.Geometry) -> tuple[Changes, Floats]:
         """Changes near active points that save length or bends, and stay on the floor, and what they save (k,)."""
-        found = (_left_out(path.point), _joined(path.point, 2 * LONGEST_EXTENSION * self.tool.reach))
+        found = [_left_out(path.point, inner) for inner in range(1, MOST_LEFT_OUT + 1)]
+        found.append(_joined(path.point, 2 * LONGEST_EXTENSION * self.tool.reach))
         changes = Changes(*(np.concatenate(columns) for columns in zip(*found, strict=True)))
         near = np.cumsum(np.concatenate([[0], active]))
         changes = changes.chosen(np.flatnonzero(near[changes.first + changes.gone + 1] > near[changes.first]))
@@ -182,6 +177,26 @@ class Polish:
             max(self.trade, LEAST_TRADE) * width * (shorter + self.bend * (bent[end + 1] - bent[start] - bends))
         )
 
+    @cached_property
+    def _counts(self) -> NDArray[np.int32]:
+        """As how many cells each one of the raster counts (h w,)."""
+        return np.where(self.wanted, np.where(self.kept, KEPT, 1), 0).astype(np.int32).reshape(-1)
+
+    def _losses(self, path: Path, changes: Changes) -> Losses:
+        point, (first, gone, middle, straight) = path.point, changes
+        far = point[first + gone]
+        goes = []
+        for number in range(int(gone.max())):
+            own = np.flatnonzero(gone > number)
+            start = first[own] + number
+            goes.append(Segments(own, point[start], point[start + 1]))
+        bent = np.flatnonzero(~straight)
+        comes = [
+            Segments(np.arange(len(first)), point[first], np.where(straight[:, None], far, middle)),
+            Segments(bent, middle[bent], far[bent]),
+        ]
+        return Losses(self.tool, len(first), goes, comes)
+
     def _deltas(self, path: Path, changes: Changes) -> Deltas:
         """What changes in how often the wanted cells are swept."""
         size = self.wanted.size
@@ -198,7 +213,7 @@ class Polish:
         change, cell = self._swept(path.point[changes.first], middle)
         behind, other = self._swept(changes.middle[bent], far[bent])
         change, cell, more = _summed(old, np.concatenate([change * size + cell, bent[behind] * size + other]), size)
-        return Deltas(change, cell, more, np.where(self.kept.reshape(-1)[cell], KEPT, 1).astype(np.int32))
+        return Deltas(change, cell, more, self._counts[cell])
 
     def _swept(self, start: Floats, end: Floats) -> tuple[Ints, Ints]:
         segment, cell = self.tool.swept(start, end)
@@ -221,10 +236,11 @@ def _summed(old: Ints, new: Ints, size: int) -> tuple[Ints, Ints, NDArray[np.int
     return change, cell, more[differs].astype(np.int32)
 
 
-def _left_out(point: Floats) -> Changes:
-    """Each inner point left out: its two segments become one, with a point in its middle."""
-    first = np.arange(len(point) - 2)
-    return Changes(first, np.full(len(first), 2), (point[:-2] + point[2:]) / 2, np.ones(len(first), np.bool_))
+def _left_out(point: Floats, inner: int) -> Changes:
+    """Each `inner` points in a row left out: their segments become one, with a point in its middle."""
+    first = np.arange(max(len(point) - 1 - inner, 0))
+    middle = (point[first] + point[first + 1 + inner]) / 2
+    return Changes(first, np.full(len(first), inner + 1), middle, np.ones(len(first), np.bool_))
 
 
 def _joined(point: Floats, longest: float) -> Changes:
@@ -242,27 +258,33 @@ def _joined(point: Floats, longest: float) -> Changes:
     return Changes(first, np.full(len(first), 3), meeting[first], np.zeros(len(first), np.bool_))
 
 
-def _taken(tried: Round, times: NDArray[np.int32], spare: float) -> Ints:
-    """The best changes that share no segments and lose at most `spare` cells in all; `times` becomes what it then is.
+def _apart(changes: Changes, gain: Floats) -> Ints:
+    """The changes that gain most and share no segments, best first."""
+    good = np.flatnonzero(gain > EPSILON)
+    good = good[np.argsort(-gain[good], kind="stable")]
+    first, last = changes.first[good].tolist(), (changes.first + changes.gone)[good].tolist()
+    used = bytearray(max(last, default=0) + 1)
+    found = []
+    for change, begin, end in zip(good.tolist(), first, last, strict=True):
+        if not any(used[begin : end + 1]):
+            used[begin : end + 1] = b"\1" * (end + 1 - begin)
+            found.append(change)
+    return np.array(found, np.intp)
+
+
+def _taken(deltas: Deltas, saved: Floats, times: NDArray[np.int32], spare: float) -> Ints:
+    """The changes that lose at most `spare` cells in all; `times` becomes what it then is.
 
     Each is looked at anew, since those before it have changed how often cells are swept.
     """
-    changes, deltas, saved, gain = tried
-    begin = np.searchsorted(deltas.change, np.arange(len(gain) + 1)).tolist()
-    first, last = changes.first.tolist(), (changes.first + changes.gone).tolist()
-    used = np.zeros(max(last) + 1, np.bool_)
-    good = np.flatnonzero(gain > EPSILON)
+    begin = np.searchsorted(deltas.change, np.arange(len(saved) + 1)).tolist()
     taken = []
-    for change in good[np.argsort(-gain[good], kind="stable")].tolist():
-        stretch = slice(first[change], last[change] + 1)
-        if used[stretch].any():
-            continue
+    for change in range(len(saved)):
         own = deltas.between(begin[change], begin[change + 1])
         lost = int(own.lost(times).sum())
         if saved[change] - lost > EPSILON and lost <= max(spare, 0):
             times[own.cell] += own.more
             spare -= lost
-            used[stretch] = True
             taken.append(change)
     return np.array(taken, np.intp)
 

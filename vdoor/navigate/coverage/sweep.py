@@ -29,6 +29,17 @@ class Swept(NamedTuple):
     """Flat index into the map."""
 
 
+class Runs(NamedTuple):
+    """Stretches of rows of the raster that segments meet, sorted by segment; those may be empty that end with it."""
+
+    segment: Ints
+    row: Ints
+    begin: Ints
+    """First cell, as a flat index."""
+    stop: Ints
+    """The cell behind the last one."""
+
+
 class Interval(NamedTuple):
     """An interval of columns for each row looked at; empty where low > high."""
 
@@ -67,18 +78,23 @@ class Tool:
 
     def swept(self, start: Floats, end: Floats) -> Swept:
         """The cells of the raster that are swept along segments, given their ends (k, 2) as row, col of the map."""
+        segment, _, begin, stop = self.runs(start, end)
         start, end = self.on_raster(start), self.on_raster(end)
-        segment, row, columns = self._rows(start, end)
-        first = np.maximum(np.ceil(columns.low - EPSILON), 0).astype(np.intp)
-        last = np.minimum(np.floor(columns.high + EPSILON), self.blocked.shape[1] - 1).astype(np.intp)
-        count = np.maximum(last - first + 1, 0)
-        found = Swept(np.repeat(segment, count), consecutive(row * self.blocked.shape[1] + first, count))
+        found = Swept(np.repeat(segment, stop - begin), consecutive(begin, stop - begin))
         seen = ~self.blocked.reshape(-1)[found.cell]
         if self.reach > self.radius:
             # nothing is blocked within the radius of the centre, or near a cell far from everything
             doubt = np.flatnonzero(seen & (self._free[found.cell] < self.fine * (self.reach - self.radius)))
             seen[doubt] = self._seen(start, end, Swept(found.segment[doubt], found.cell[doubt]))
         return Swept(found.segment[seen], found.cell[seen])
+
+    def runs(self, start: Floats, end: Floats) -> Runs:
+        """The cells of the raster near segments, free or not, given their ends (k, 2) as row, col of the map."""
+        segment, row, columns = self._rows(self.on_raster(start), self.on_raster(end))
+        width = self.blocked.shape[1]
+        first = np.maximum(np.ceil(columns.low - EPSILON), 0).astype(np.intp)
+        behind = np.minimum(np.floor(columns.high + EPSILON) + 1, width).astype(np.intp)
+        return Runs(segment, row, row * width + first, row * width + np.maximum(behind, first))
 
     def reachable(self, start: Floats, end: Floats) -> Mask:
         """The cells of the raster (h, w) that can be swept from within rings, given their sides (k, 2)."""
