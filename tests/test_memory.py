@@ -12,11 +12,11 @@ from vdoor.memory import available_bytes, needed_bytes, refuse_too_large
 
 def test_a_map_is_refused_exactly_when_it_needs_more_than_there_is() -> None:
     needed = needed_bytes(100_000_000, 1)
-    assert needed == 5_000_000_000
+    assert needed == 2_500_000_000
     refuse_too_large(100_000_000, 1, needed)
     refuse_too_large(100_000_000, 1, None)
     refuse_too_large(100_000_000, 4, needed - 1)
-    with pytest.raises(MapError, match=r"^memory: wanted 5000 MB, found 4999 MB free; simplify.cell_m over 1 cells"):
+    with pytest.raises(MapError, match=r"^memory: wanted 2500 MB, found 2499 MB free; simplify.cell_m over 1 cells"):
         refuse_too_large(100_000_000, 1, needed - MB)
 
 

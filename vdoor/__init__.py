@@ -8,8 +8,9 @@
 
 from __future__ import annotations
 
-import importlib
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from vdoor.lazy import on_first_use
 
 if TYPE_CHECKING:
     from vdoor.api import run
@@ -41,21 +42,16 @@ __all__ = [
     "run",
 ]
 
-_HOME = {
-    "errors": ("MapError", "MapWarning", "RecordingError", "SettingError", "VdoorError"),
-    "formats": ("read_map",),
-    "grid": ("OccupancyGrid",),
-    "matching": ("Match", "match"),
-    "api": ("run",),
-    "editing": ("edited",),
-    "pipeline": ("PRESETS", "Pipeline"),
-    "topology": ("Door", "Room", "TopologicalMap"),
-}
-
-
-def __getattr__(name: str) -> Any:
-    """A public name, imported on first use so that `vdoor --help` does not wait for numpy and scipy."""
-    for module, names in _HOME.items():
-        if name in names:
-            return getattr(importlib.import_module(f"vdoor.{module}"), name)
-    raise AttributeError(f"module 'vdoor' has no attribute {name!r}")
+__getattr__ = on_first_use(
+    __name__,
+    {
+        "errors": ("MapError", "MapWarning", "RecordingError", "SettingError", "VdoorError"),
+        "formats": ("read_map",),
+        "grid": ("OccupancyGrid",),
+        "matching": ("Match", "match"),
+        "api": ("run",),
+        "editing": ("edited",),
+        "pipeline": ("PRESETS", "Pipeline"),
+        "topology": ("Door", "Room", "TopologicalMap"),
+    },
+)

@@ -250,6 +250,7 @@ def test_help_of_every_command_has_an_example() -> None:
 
 def test_bench_and_search_study_print_figures() -> None:
     report = json.loads(call("bench", "--preset", "paper", "--json", "--tile", "2").stdout)
+    assert report["reference_s"] > 0
     assert report["cells"][0] > 2 * 100
     assert set(report["stages_s"]) == {record.topic for record in PAPER}
     text = call("search-study", "--graphs", "4", "--seeds", "3").stdout

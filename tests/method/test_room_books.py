@@ -21,6 +21,7 @@ from vdoor.method.initial_map import InitialMap
 from vdoor.method.search.problem import MergeProblem
 from vdoor.pipeline import Pipeline
 from vdoor.raster.polygons import centres, polygons
+from vdoor.raster.runs import runs_of
 
 LONG_DOORS = Pipeline(doors=ProposeDoors(max_length_m=2.4))
 Labels = NDArray[Any]
@@ -230,7 +231,7 @@ def test_rings_enclose_their_label_and_nothing_else(image: list[list[int]]) -> N
     for value in (1, 2, 3):
         part, _ = ndimage.label(np.array(image) == value)
         label = np.where(part > 0, part + label.max(), label).astype(np.int32)
-    vertex, owner, ring = polygons(label)
+    vertex, owner, ring = polygons(runs_of(label))
     for number in np.unique(label[label > 0]).tolist():
         parts = [vertex[(owner == number) & (ring == part)] for part in np.unique(ring[owner == number])]
         assert all((part[0] == part[-1]).all() for part in parts)
@@ -250,7 +251,7 @@ def test_rings_of_labels_in_several_parts_are_a_valid_polygon_for_each_part_the_
     image: list[list[int]],
 ) -> None:
     label = np.array(image, np.int32)
-    vertex, owner, ring = polygons(label)
+    vertex, owner, ring = polygons(runs_of(label))
     for number in np.unique(label[label > 0]).tolist():
         rings = [vertex[(owner == number) & (ring == own)] for own in np.unique(ring[owner == number])]
         begins = [at for at, own in enumerate(rings) if ring_area(own) > 0]
@@ -286,7 +287,7 @@ def test_a_centre_is_the_labels_own_cell_nearest_to_its_mean(image: list[list[in
     label = np.array(image, np.int32)
     label = np.searchsorted(np.unique(np.append(0, label)), label).astype(np.int32)
     count = int(label.max())
-    for number, centre in enumerate(centres(label, count).tolist(), start=1):
+    for number, centre in enumerate(centres(runs_of(label), count).tolist(), start=1):
         own = np.argwhere(label == number)
         off = np.hypot(*(own - own.mean(axis=0)).T)
         assert label[tuple(centre)] == number

@@ -17,9 +17,10 @@ from scipy import ndimage
 import vdoor
 from vdoor.grid import FREE, OCCUPIED, UNKNOWN, OccupancyGrid
 from vdoor.method.search.generation import Generation
-from vdoor.method.simplify import REASONS, SimplifiedGrid
-from vdoor.method.spaces import Spaces, disc, opened, square
+from vdoor.method.simplify import REASONS, SimplifiedGrid, narrower
+from vdoor.method.spaces import Spaces, disc, in_line, opened, square
 from vdoor.pipeline import PRESETS, Pipeline
+from vdoor.raster import morphology
 from vdoor.synth import Apartment, Home, Office, synthesize
 
 DEFAULT = PRESETS["default"]
@@ -281,7 +282,22 @@ def test_spaces_turn_and_mirror_with_the_map(cells: Cells, wide: int) -> None:
         moved = Spaces.of(np.ascontiguousarray(move(free)), wide)
         assert (moved.gap == move(found.gap)).all()
         assert (moved.narrow == move(found.narrow)).all()
-        assert ((moved.label > 0) == move(found.label > 0)).all()
+        assert (moved.runs.mask() == move(found.runs.mask())).all()
+
+
+@law
+@given(small_maps(), st.integers(1, 3), st.integers(1, 40))
+def test_a_map_worked_on_in_bands_gives_what_it_gives_as_a_whole(cells: Cells, wide: int, band: int) -> None:
+    free = cells == FREE
+
+    def found() -> tuple[NDArray[np.bool_], ...]:
+        spaces = Spaces.of(free, wide)
+        return spaces.gap, spaces.narrow, narrower(free, wide), in_line(free, wide=wide, thick=2, least=3)
+
+    whole = found()
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(morphology, "BAND_CELLS", band)
+        assert all((one == other).all() for one, other in zip(whole, found(), strict=True))
 
 
 @law
@@ -298,7 +314,8 @@ def test_opening_is_that_of_scipy(cells: Cells, side: int) -> None:
 def test_closing_gaps_leaves_each_part_of_the_free_space_one_space(cells: Cells, wide: int) -> None:
     spaces = Spaces.of(cells == FREE, wide)
     part, _ = ndimage.label((cells == FREE) & ~spaces.gap)
-    pairs = np.unique(np.stack([part[spaces.label > 0], spaces.label[spaces.label > 0]]), axis=1)
+    label = spaces.runs.image()
+    pairs = np.unique(np.stack([part[label > 0], label[label > 0]]), axis=1)
     assert len(np.unique(pairs[0])) == pairs.shape[1]
 
 

@@ -66,10 +66,11 @@ class ErodeSpace:
         eroded = clearance_m(simplified) > self.radius_m + EPSILON
         core, count = skimage.measure.label(eroded, connectivity=1, return_num=True)
         core = core.astype(np.int32)
-        area_m2 = runs_of(core).cells(count).astype(np.float64) * simplified.frame.resolution_m**2
+        runs = runs_of(core)
+        area_m2 = runs.cells(count).astype(np.float64) * simplified.frame.resolution_m**2
         return ErodedSpace(
             core=core,
-            centre=centres(core, count),
+            centre=centres(runs, count),
             area_m2=area_m2,
             kept=area_m2 >= self.least_m2 - EPSILON,
             frame=simplified.frame,

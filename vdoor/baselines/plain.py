@@ -12,7 +12,7 @@ from vdoor.grid import OccupancyGrid
 from vdoor.method.boundary import BoundaryPath
 from vdoor.method.corners import Corners
 from vdoor.method.final_doors import passages_at
-from vdoor.method.final_map import Features, map_of
+from vdoor.method.finished import Features, map_of
 from vdoor.raster.components import contacts
 from vdoor.record import Record, specs
 from vdoor.topology import TopologicalMap

@@ -50,6 +50,7 @@ COMMANDS = (
     ("sweep", "sweeps", "vdoor sweep --png all.png; vdoor sweep cost.bias=-1..1:0.5 seed=0..9 --json"),
     ("synth", "studies", "vdoor synth maps/other --kind paper --seed 3 --set furniture=true"),
     ("train", "studies", "vdoor train -o curves.json; vdoor run map.yaml --set score.model=curves.json"),
+    ("map-statistics", "studies", "vdoor map-statistics maps/ --kind laser-home --count 3"),
     ("bench", "studies", "vdoor bench --tile 4"),
     ("cover-bench", "studies", "vdoor cover-bench maps/ --set cover.trade=0.3"),
     ("route-bench", "studies", "vdoor route-bench maps/ --starts 40; vdoor route-bench map.yaml --tile 4"),

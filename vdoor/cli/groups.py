@@ -25,6 +25,7 @@ GROUPS = {
         "route-bench",
         "search-study",
         "synth",
+        "map-statistics",
         "train",
     ),
     "the paper": ("paper", "golden"),

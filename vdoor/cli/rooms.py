@@ -40,7 +40,7 @@ def rooms(result: Result, *, as_json: Json = False) -> None:
     """List the rooms of a result with their areas, doors and neighbours."""
     import json
 
-    from vdoor.export import read_finished
+    from vdoor.results.reading import read_finished
     from vdoor.results.segments import segments_of
 
     finished = read_finished(result)
@@ -67,7 +67,7 @@ def room_at(
     import json
 
     from vdoor.editing.places import parse_place
-    from vdoor.export import read_finished
+    from vdoor.results.reading import read_finished
 
     parse_place(place, wanted="COL,ROW" if cells else "X,Y")  # checked before the result is read
     topology = read_finished(result).topology

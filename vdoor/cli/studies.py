@@ -28,7 +28,9 @@ def synth(
         Path | None, typer.Argument(metavar="STEM", help="Write STEM.pgm, STEM.yaml and the truth beside them.")
     ] = None,
     *,
-    kind: Annotated[str, typer.Option(help="Preset of settings: paper, paper-5cm, home or office.")] = "paper",
+    kind: Annotated[
+        str, typer.Option(help="Preset of settings: paper, paper-5cm, home, laser-home or office.")
+    ] = "paper",
     set_: Annotated[list[str] | None, typer.Option("--set", metavar="FIELD=VALUE", help="One setting.")] = None,
     seed: Seed = 0,
     show: Annotated[bool, typer.Option("--show", help="Print the settings instead.")] = False,
@@ -142,6 +144,32 @@ def _grids(maps: list[Path], resolution_m: float | None) -> dict[str, OccupancyG
     return {path.name: read_grid(path, quiet=True, resolution_m=resolution_m) for path in files}
 
 
+def map_statistics(
+    maps: Annotated[list[Path] | None, typer.Argument(metavar="[MAP]...", help="Maps, or folders of them.")] = None,
+    *,
+    kind: Annotated[
+        list[str] | None, typer.Option(metavar="KIND", help="Synthetic maps to compare, see `vdoor synth`; repeatable.")
+    ] = None,
+    count: Annotated[int, typer.Option(min=1, metavar="N", help="Synthetic maps of each kind.")] = 40,
+    seed: Seed = 0,
+    resolution: Resolution = None,
+    as_json: Json = False,
+) -> None:
+    """Compare how maps look, synthetic and real: surroundings and lengths of walls, islands, corners.
+
+    Quartiles over the maps. Maps that cannot be divided into rooms are left out.
+    """
+    import json
+
+    from vdoor.experiments import likeness
+
+    if not maps and not kind:
+        raise SettingError("map-statistics: wanted maps, found none: neither MAP nor --kind")
+    groups = {"maps": list(_grids(maps, resolution).values())} if maps else {}
+    found = likeness.measured(groups | {name: likeness.drawn(name, count, seed) for name in kind or ()})
+    print(json.dumps(found) if as_json else likeness.to_text(found))
+
+
 def search_study(
     *,
     graphs: Annotated[int, typer.Option(min=1, help="Number of initial maps, from synthetic apartments.")] = 60,
@@ -167,6 +195,7 @@ def train(
     output: Annotated[Path, typer.Option("-o", "--output", metavar="FILE.json", help="File for the curves.")],
     homes: Annotated[int, typer.Option(min=0, help="Number of synthetic homes.")] = 800,
     offices: Annotated[int, typer.Option(min=0, help="Number of synthetic office floors.")] = 400,
+    laser_homes: Annotated[int, typer.Option(min=0, help="Number of synthetic homes mapped by laser.")] = 0,
     seed: Seed = 0,
     rounds: Annotated[
         int,
@@ -190,14 +219,16 @@ def train(
 
     if (maps is None) != (reference is None):
         raise SettingError("train: wanted both --maps and --reference, or neither")
-    if homes + offices == 0 and maps is None:
-        raise SettingError("train: wanted maps, found none: --homes 0 and --offices 0")
+    if homes + offices + laser_homes == 0 and maps is None:
+        raise SettingError("train: wanted maps, found none: --homes 0, --offices 0 and --laser-homes 0")
     refuse_existing([output], force=force)
     pipeline = training.default_pipeline()
     made: dict[str, Any] = {
         "command": f"vdoor train --homes {homes} --offices {offices} --seed {seed} --rounds {rounds}",
         "labelled_maps": 0,
     }
+    if laser_homes:
+        made["command"] += f" --laser-homes {laser_homes}"
     own: list[training.TrainingMap] = []
     if maps is not None and reference is not None:
         own = training.labelled_maps(maps, reference, weight=weight, bare=bare_map, resolution_m=resolution)
@@ -208,12 +239,13 @@ def train(
     with over(jobs) as each:
         for number in range(rounds):
             say(f"round {number + 1} of {rounds}")
-            draws = [*map(training.known, own), *training.synthetic_maps(homes, offices, seed + number)]
+            draws = [*map(training.known, own), *training.synthetic_maps(homes, offices, seed + number, laser_homes)]
             models.append(training.fitted_model(draws, pipeline, made, over=_told(each)))
     model = training.mean_of(models, made)
     training.write_model(output, model)
     examples, real = (model.made[name] for name in ("examples", "real_doors"))
-    print(f"{output}: {rounds * (len(own) + homes + offices)} maps, {examples} virtual doors, {real} of them real")
+    fitted = rounds * (len(own) + homes + offices + laser_homes)
+    print(f"{output}: {fitted} maps, {examples} virtual doors, {real} of them real")
 
 
 def _told(over: Over) -> Over:

@@ -6,6 +6,15 @@
 1
 """
 
-from vdoor.editing.apply import edited
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from vdoor.lazy import on_first_use
+
+if TYPE_CHECKING:
+    from vdoor.editing.apply import edited
 
 __all__ = ["edited"]
+
+__getattr__ = on_first_use(__name__, {"apply": ("edited",)})

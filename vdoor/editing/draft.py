@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from vdoor.editing.split_room import borders, clipped, parts, prolonged, room_of_line
 from vdoor.frame import Frame
-from vdoor.method.final_doors import Doors, doors_along, to_segment_m
-from vdoor.method.final_map import Features, map_of
+from vdoor.method.final_doors import doors_along, to_segment_m
+from vdoor.method.finished import Doors, Features, map_of
 from vdoor.raster.components import contacts
 from vdoor.topology import TopologicalMap
 

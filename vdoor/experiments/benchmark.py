@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import resource
+import sys
 import tempfile
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -18,11 +19,14 @@ from vdoor.emit import Emit, Recorder, RunInfo, Sink, Stopwatch, silent
 from vdoor.grid import FREE, UNKNOWN, OccupancyGrid
 from vdoor.method.simplify import SimplifyGrid
 from vdoor.pipeline import AnyPipeline
+from vdoor.raster.morphology import counted, distances
 from vdoor.synth import PRESETS, synthesize
 
 OpenRecordings = Callable[[Path, RunInfo], AbstractContextManager[Sequence[Sink]]]
 """Opens both recordings of a run in a folder."""
 LANE_M = 1.0
+REPEATS = 5
+"""The median of so many reference loops is reported."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -35,6 +39,8 @@ class Report:
     doors: int
     stages_s: Mapping[str, float]
     total_s: float
+    reference_s: float
+    """CPU time of a fixed loop on the same map, see `reference_s`: figures of busy or other machines compare by it."""
     peak_mb: float
     """Peak memory of the process so far."""
     recording_adds: float | None
@@ -49,6 +55,8 @@ class Report:
         lines = [f"{self.name}: {self.cells[1]} x {self.cells[0]} cells, {self.rooms} rooms, {self.doors} doors"]
         lines += [f"  {stage:12s} {seconds:8.3f} s" for stage, seconds in self.stages_s.items()]
         lines.append(f"  {'total':12s} {self.total_s:8.3f} s CPU, peak {self.peak_mb:.0f} MB")
+        times = f"{self.total_s / self.reference_s:.1f} times one labelling and exact distance pass"
+        lines.append(f"  {'reference':12s} {self.reference_s:8.3f} s CPU: the total is {times}")
         if self.recording_adds is not None:
             lines.append(f"  recording to .rrd and .mcap adds {self.recording_adds:.0%}")
         return "\n".join(lines)
@@ -67,6 +75,7 @@ def measured(
         start_s = time.process_time()
         topology = ready(grid, np.random.default_rng(0), watch)
         total_s = time.process_time() - start_s
+        loop_s = reference_s(grid)
         peak_mb = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
         adds = (recorded_s(grid, ready, record) - total_s) / total_s if record else None
         yield Report(
@@ -76,9 +85,21 @@ def measured(
             doors=len(topology.kind),
             stages_s=watch.cpu_s,
             total_s=total_s,
+            reference_s=loop_s,
             peak_mb=peak_mb,
             recording_adds=adds,
         )
+
+
+def reference_s(grid: OccupancyGrid) -> float:
+    """CPU seconds of one labelling and one exact distance pass of OpenCV over the free cells, the median of five."""
+    free, found = grid.free, []
+    for _ in range(REPEATS):
+        start_s = time.process_time()
+        counted(free)
+        distances(free)
+        found.append(time.process_time() - start_s)
+    return max(float(np.median(found)), sys.float_info.epsilon)
 
 
 def recorded_s(grid: OccupancyGrid, pipeline: AnyPipeline, record: OpenRecordings) -> float:

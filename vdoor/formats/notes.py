@@ -148,7 +148,7 @@ def described(cells: NDArray[np.int8], greys: NDArray[np.int64] | None) -> str:
 
 def _enclosed(cells: NDArray[np.int8]) -> tuple[int, int]:
     """Number of unknown cells in spaces that occupied cells close off, and the same with all free cells."""
-    from scipy import ndimage  # noqa: PLC0415  # slow to import
+    from vdoor.raster.morphology import counted  # noqa: PLC0415  # loads OpenCV
 
     codes = np.zeros(cells.shape, np.uint8)
     codes[cells.view(np.uint8) < NAV2.free_below] = 1
@@ -156,7 +156,7 @@ def _enclosed(cells: NDArray[np.int8]) -> tuple[int, int]:
     factor = math.ceil(math.sqrt(cells.size / MOST_LOOKED_AT))
     if factor > 1:
         codes = _coarse(codes, factor)
-    labels, count = ndimage.label(codes != 2)  # noqa: PLR2004
+    labels, count = counted(codes != 2)  # noqa: PLR2004
     inside = np.ones(count + 1, np.bool_)
     inside[0] = False
     for edge in (labels[0], labels[-1], labels[:, 0], labels[:, -1]):

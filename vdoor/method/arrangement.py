@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 
 from vdoor.method.doors import VirtualDoors
 from vdoor.raster.components import components
-from vdoor.raster.morphology import counted
-from vdoor.raster.runs import runs_of
+from vdoor.raster.runs import Runs, overlaid, parts_of_mask, steps_within
 
 Ints = NDArray[np.int32]
 Mask = NDArray[np.bool_]
@@ -27,16 +26,30 @@ class Pieces:
     Its pieces are regions between the doors, and atoms: groups of door cells that are on the same set of doors.
     """
 
-    label: Ints
-    """(h, w) piece + 1, 0 where not free; regions first, then atoms."""
+    region: Runs
+    """The cells of region r have label r + 1."""
     regions: int
     """The number of regions."""
+    cell: NDArray[np.int64]
+    """(k,) flat indices of the door cells, sorted."""
+    atom: NDArray[np.intp]
+    """(k,) the atom of each of them."""
     cells: NDArray[np.int64]
     """(pieces,) number of cells of each piece."""
     cover: Ints
     """(m, 2) atom, door: the doors that each atom is on, sorted."""
     touch: Ints
     """(t, 2) pieces a < b with 4-adjacent cells, sorted."""
+
+    def at(self, cell: NDArray[np.int64]) -> Ints:
+        """Piece + 1 at cells given by flat index, 0 where not free; regions first, then atoms."""
+        return overlaid(self.region, self.cell, self.regions + 1 + self.atom, cell)
+
+    def image(self) -> Ints:
+        """The same for all cells (h, w)."""
+        label = self.region.image()
+        label.reshape(-1)[self.cell] = self.regions + 1 + self.atom
+        return label
 
 
 def cut(free: Mask, doors: VirtualDoors, chosen: Ints) -> Pieces:
@@ -49,19 +62,17 @@ def cut(free: Mask, doors: VirtualDoors, chosen: Ints) -> Pieces:
 
     region_space = free.copy()
     region_space.reshape(-1)[cell] = False
-    label, regions = counted(region_space)
-    label.reshape(-1)[cell] = regions + 1 + atom_of_cell
+    region = parts_of_mask(region_space)
+    own = region.most + 1 + atom_of_cell
     # Only door cells need checking for adjacency: regions never touch each other.
-    padded = np.pad(label, 1)
-    row, col = np.divmod(cell, free.shape[1])
-    pairs = [
-        np.stack([label.reshape(-1)[cell], padded[row + 1 + down, col + 1 + right]], axis=1)
-        for down, right in ((0, 1), (1, 0), (0, -1), (-1, 0))
-    ]
-    touch = np.sort(np.concatenate(pairs), axis=1)
-    touch = np.unique(touch[(touch[:, 0] > 0) & (touch[:, 0] != touch[:, 1])], axis=0) - 1
-    cells = runs_of(label).cells(regions + int(atom_of_cell.max(initial=-1)) + 1)
-    return Pieces(label, regions, cells, cover, touch.astype(np.int32))
+    pairs = []
+    for step, edge in steps_within(free.shape[1]):
+        other = overlaid(region, cell, own, cell + step)
+        beside = (other > 0) & (other != own) & (cell % free.shape[1] != edge)
+        pairs.append(np.stack([own[beside], other[beside]], axis=1))
+    touch = np.unique(np.sort(np.concatenate(pairs), axis=1), axis=0) - 1
+    cells = np.append(region.cells(region.most), np.bincount(atom_of_cell))
+    return Pieces(region, region.most, cell, atom_of_cell, cells, cover, touch.astype(np.int32))
 
 
 def atoms(flat: NDArray[np.int64], door: Ints, width: int) -> tuple[NDArray[np.int64], NDArray[np.intp], Ints]:

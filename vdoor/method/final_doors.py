@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import scipy
@@ -11,11 +10,12 @@ from numpy.typing import NDArray
 
 from vdoor.frame import Frame
 from vdoor.grid import FREE
+from vdoor.method.finished import Doors
 from vdoor.method.initial_map import InitialMap
 from vdoor.method.simplify import REASONS, SimplifiedGrid
-from vdoor.method.spaces import with_neighbours
 from vdoor.raster.components import contact_pieces, contacts
 from vdoor.raster.lines import lines_between
+from vdoor.raster.morphology import with_neighbours
 from vdoor.topology import KINDS
 
 Floats = NDArray[np.float64]
@@ -23,25 +23,6 @@ Ints = NDArray[np.int32]
 Mask = NDArray[np.bool_]
 
 SILL = np.uint8(KINDS.index("sill"))
-
-
-class Doors(NamedTuple):
-    """The door columns of the map."""
-
-    edge: Ints
-    start_m: Floats
-    end_m: Floats
-    kind: NDArray[np.uint8]
-    length_m: Floats
-    width_m: Floats
-    tilt_rad: Floats
-    room_a: Ints
-    room_b: Ints
-
-    def followed_by(self, other: Doors) -> Doors:
-        """The rows of both, this one's first."""
-        columns: Iterator[tuple[Any, Any]] = zip(self, other, strict=True)
-        return Doors(*map(np.concatenate, columns))
 
 
 def door_rows(initial: InitialMap, rows: list[tuple[int, int, int]], number: Ints) -> Doors:

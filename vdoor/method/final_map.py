@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Annotated, NamedTuple
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vdoor.config import Within
-from vdoor.frame import Frame
 from vdoor.grid import FREE, OccupancyGrid
 from vdoor.method.boundary import BoundaryPath
-from vdoor.method.final_doors import SILL, Doors, door_rows, matched_to_contacts, on_sill
+from vdoor.method.final_doors import SILL, door_rows, matched_to_contacts, on_sill
+from vdoor.method.finished import Features, map_of
 from vdoor.method.initial_map import InitialMap
 from vdoor.method.search.books import CLOSED
 from vdoor.method.search.generation import Generation
@@ -25,7 +24,6 @@ from vdoor.method.simplify import SimplifiedGrid
 from vdoor.method.straight_doors import set_straight
 from vdoor.method.wall_direction import wall_direction_rad
 from vdoor.raster.labels import at_input, flooded, half_seen, handed_on, numbered, whole
-from vdoor.raster.polygons import centres, polygons
 from vdoor.raster.runs import runs_of
 from vdoor.topology import TopologicalMap
 
@@ -43,7 +41,6 @@ class MergeRooms:
     half_seen_m: Annotated[float, Within(0, 5)] = 0.0
     """Free cells apart from all rooms are assigned to one across unknown gaps up to this wide, as part of a room that
     was seen as single rays; 0 leaves them without (paper). Only without `passages`."""
-
     straight_m: Annotated[float, Within(0, 2)] = 0.0
     """Ends of doors that lie askew across an opening move along their walls by up to this, so that the doors are square
     to the walls; 0 leaves them (paper)."""
@@ -60,13 +57,15 @@ class MergeRooms:
     ) -> TopologicalMap:
         """Rooms and doors; kept doors that separate nothing are dropped, unless the search already removed them."""
         room_of_piece, rows = merged(problem, best.removed)
-        working = np.append(np.int32(0), room_of_piece)[initial.piece]
+        pieces = runs_of(initial.piece)
+        rooms = pieces.labelled(room_of_piece[pieces.label - 1])
+        working = rooms.image()
         if self.straight_m > 0:
             free, wall_rad = simplified.cells == FREE, wall_direction_rad(path)
             initial, working = set_straight(free, initial, working, rows, reach_m=self.straight_m, wall_rad=wall_rad)
         labels = whole(at_input(working, simplified.factor, grid.free))
         if not self.passages:
-            inner = at_input((simplified.cells == FREE).astype(np.int32), simplified.factor, grid.free) > 0
+            inner = at_input(simplified.cells == FREE, simplified.factor, grid.free)
             labels = handed_on(flooded(labels, inner), grid.free)
             if self.half_seen_m > 0:
                 labels = half_seen(labels, grid.free, ~grid.occupied, self.half_seen_m / grid.frame.resolution_m)
@@ -111,51 +110,3 @@ def merged(problem: MergeProblem, removed: Bits) -> tuple[Ints, list[tuple[int, 
     room[~np.isin(changed, real)] = 0
     rows = [(edge, int(min(room[a], room[b])), int(max(room[a], room[b]))) for edge, a, b in pairs]
     return room[node], sorted(rows)
-
-
-class Features(NamedTuple):
-    """The corner columns of the map."""
-
-    room: Ints
-    corner: Ints
-    convex: NDArray[np.bool_]
-    point_m: Floats
-
-    @classmethod
-    def none(cls) -> Features:
-        """The columns of a map without corners."""
-        rows = np.zeros(0, np.int32)
-        return cls(rows, rows, np.zeros(0, np.bool_), np.zeros((0, 2)))
-
-
-def map_of(
-    labels: Ints, frame: Frame, doors: Doors, features: Features, names: Mapping[int, str] | None = None
-) -> TopologicalMap:
-    """The topological map of room ids (h, w), which need not be consecutive; `names` by id, for rooms that have one."""
-    ids, rank = ranked(labels)
-    vertex, vertex_room, vertex_ring = polygons(labels)
-    cells = runs_of(rank).cells(len(ids))
-    all_names = tuple((names or {}).get(room, "") for room in ids.tolist())
-    return TopologicalMap(
-        labels=labels,
-        centre=centres(rank, len(ids)),
-        area_m2=cells.astype(np.float64) * frame.resolution_m**2,
-        name=all_names if any(all_names) else (),
-        **doors._asdict(),
-        feature_room=features.room,
-        feature_corner=features.corner,
-        feature_convex=features.convex,
-        feature_m=features.point_m,
-        vertex_m=frame.world_from_cell(vertex - 0.5),
-        vertex_room=vertex_room,
-        vertex_ring=vertex_ring,
-        frame=frame,
-    )
-
-
-def ranked(labels: Ints) -> tuple[Ints, Ints]:
-    """The labels in use except 0, ascending, and the rank (h, w) of each cell's label among them, from 1; 0 stays 0."""
-    ids = np.unique(runs_of(labels).label)
-    if len(ids) == ids.max(initial=0):
-        return ids, labels
-    return ids, np.searchsorted(np.append(0, ids), labels).astype(np.int32)

@@ -114,10 +114,10 @@ class DivideRooms:
         border = borders(pieces, len(edges))
         area_m2 = pieces.cells.astype(np.float64) * simplified.frame.resolution_m**2
         feature = self._features(pieces, path, corners)
-        vertex, vertex_region, vertex_ring = polygons(np.where(pieces.label <= pieces.regions, pieces.label, 0))
+        vertex, vertex_region, vertex_ring = polygons(pieces.region)
         return InitialMap(
-            piece=pieces.label,
-            centre=centres(pieces.label, pieces.regions),
+            piece=pieces.image(),
+            centre=centres(pieces.region, pieces.regions),
             area_m2=area_m2[: pieces.regions],
             start=doors.start[edges],
             end=doors.end[edges],
@@ -157,7 +157,7 @@ class DivideRooms:
             contour = path.contour[corners.sample]
             local = corners.sample - path.first[contour] + ahead
             cell = path.free_cell[path.first[contour] + local % count[contour]]
-            label = pieces.label[cell[:, 0], cell[:, 1]]
+            label = pieces.at(np.ravel_multi_index(tuple(cell.T), pieces.region.shape))
             inside = (label > 0) & (label <= pieces.regions)
             found.append(np.stack([label[inside] - 1, np.flatnonzero(inside)], axis=1))
         return np.unique(np.concatenate(found).astype(np.int32), axis=0)
@@ -196,11 +196,7 @@ def separating_in_input(free: Mask, as_read: Mask, doors: VirtualDoors, edges: I
 
 def main_parts(both: Pieces, own: Pieces) -> Ints:
     """For each region (regions,) of `own`, the region of `both` whose largest part it is; -1 for smaller parts."""
-    first = np.unique(own.label, return_index=True)
-    place = np.zeros(own.regions, np.intp)
-    inside = (first[0] > 0) & (first[0] <= own.regions)
-    place[first[0][inside] - 1] = first[1][inside]
-    region = both.label.reshape(-1)[place] - 1
+    region = both.at(own.region.first_cells(own.regions)) - 1
     order = np.lexsort((np.arange(own.regions), -own.cells[: own.regions], region))
     leads = np.append(True, region[order][1:] != region[order][:-1])[: len(order)]
     found = np.full(own.regions, -1, np.int32)

@@ -13,10 +13,10 @@ from vdoor.config import Within
 from vdoor.errors import MapError, SettingError
 from vdoor.frame import Frame
 from vdoor.grid import FREE, OCCUPIED, UNKNOWN, OccupancyGrid
-from vdoor.method.parts import large_parts, long_pieces, remaining, sills, wide_parts
-from vdoor.method.spaces import SHORTEST_DASH, Spaces, furniture, in_line, with_neighbours
-from vdoor.raster.morphology import components_of, counted, opened, square
-from vdoor.raster.runs import runs_of
+from vdoor.method.parts import large_parts, long_pieces, remaining, sides_of, sills, wide_parts
+from vdoor.method.spaces import SHORTEST_DASH, Spaces, furniture, in_line
+from vdoor.raster.morphology import in_bands, opened, square, with_neighbours
+from vdoor.raster.runs import Runs, parts_of_mask
 from vdoor.record import Record, Spec
 
 Mask = NDArray[np.bool_]
@@ -139,6 +139,7 @@ class SimplifyGrid:
                 thick, long = cells_in(DASH_THICK_M, frame), cells_in(DASH_LONG_M, frame)
                 line = in_line(free, wide=gap, thick=thick, least=max(long, SHORTEST_DASH + 1))
             islands = small_islands(free & ~line, max(1, round(self.max_island_m / frame.resolution_m))) & ~free
+            del line
         if gap:
             known = free & ~thin
             goes = furniture(
@@ -178,24 +179,19 @@ class SimplifyGrid:
         Rooms are found with the cells of walls. Of what was kept `before`, no part goes as a whole, and what is cut off
         from it must be wide to be a room.
         """
-        labels, count = counted(free)
-        if count == 0:
+        parts = parts_of_mask(free)
+        if parts.most == 0:
             raise MapError(
                 f"the map has no free cell at {frame.resolution_m:g} m per cell, so there is nothing to divide"
             )
-        kept = np.zeros(count + 1, np.bool_)
+        kept = np.zeros(parts.most + 1, np.bool_)
         if self.least_part_m2 > 0:
             if wall is not None:
-                kept[np.unique(self._parts(free, wall, frame))] = True
+                kept |= large_parts(parts, free, wall, *self._least(frame))
             if before is not None:
-                kept |= remaining(labels, before) | wide_parts(labels, *self._least(frame))
-            kept[0] = False
-        kept[self._own_part(labels, count, frame)] = True
-        return np.asarray(kept[labels])
-
-    def _parts(self, free: Mask, wall: Mask, frame: Frame) -> NDArray[np.int32]:
-        """The parts (h, w) of the free space that are rooms of their own."""
-        return large_parts(free, wall, *self._least(frame))
+                kept |= remaining(parts, before) | wide_parts(parts, free, *self._least(frame))
+        kept[self._own_part(parts, frame)] = True
+        return parts.chosen(kept).mask()
 
     def _least(self, frame: Frame) -> tuple[float, float]:
         """The least number of cells of a part of the free space, and the size of a cell in metres."""
@@ -206,19 +202,22 @@ class SimplifyGrid:
         thick = cells_in(self.sill_m, frame)
         if not (thick and self.least_part_m2 > 0):
             return np.zeros_like(free)
-        return sills(before, self._parts(free, before == OCCUPIED, frame), thick, SILL_LONG_M / frame.resolution_m)
+        parts = parts_of_mask(free)
+        rooms = parts.chosen(large_parts(parts, free, before == OCCUPIED, *self._least(frame)))
+        return sills(before == UNKNOWN, rooms, thick, SILL_LONG_M / frame.resolution_m)
 
-    def _own_part(self, labels: NDArray[np.int32], count: int, frame: Frame) -> int:
+    def _own_part(self, parts: Runs, frame: Frame) -> int:
         """The label of the robot's part of the free space; of the largest if its position is not known."""
         if not self.robot_m:
-            return int(1 + np.argmax(runs_of(labels).cells(count)))
+            return int(1 + np.argmax(parts.cells(parts.most)))
         place = frame.cell_from_world(np.array([self.robot_m]))[0]
         reach = ROBOT_REACH_M / frame.resolution_m
-        first = np.clip(np.floor(place - reach), 0, labels.shape).astype(np.intp)
-        after = np.clip(np.ceil(place + reach) + 1, 0, labels.shape).astype(np.intp)
-        cells = first + np.argwhere(labels[first[0] : after[0], first[1] : after[1]])
-        nearest = min(cells.tolist(), key=lambda cell: math.dist(cell, place), default=None)
-        if nearest is None or math.dist(nearest, place) * frame.resolution_m > ROBOT_REACH_M:
+        first = np.clip(np.floor(place - reach), 0, parts.shape).astype(np.intp)
+        after = np.clip(np.ceil(place + reach) + 1, 0, parts.shape).astype(np.intp)
+        labels = parts.inside(tuple(map(slice, first.tolist(), after.tolist()))).image()
+        cells = np.argwhere(labels)
+        nearest = min(cells.tolist(), key=lambda cell: math.dist(first + cell, place), default=None)
+        if nearest is None or math.dist(first + nearest, place) * frame.resolution_m > ROBOT_REACH_M:
             x_m, y_m = self.robot_m
             raise MapError(f"robot at {x_m:g},{y_m:g}: wanted a free cell within {ROBOT_REACH_M} m, found none")
         return int(labels[tuple(nearest)])
@@ -284,15 +283,15 @@ def thin_unknown(cells: NDArray[np.int8], thick: int, longest: int) -> Mask:
 
 def small_islands(free: Mask, size: int) -> Mask:
     """The cells of 8-connected obstacles that are surrounded by free space and fit into a box of `size` cells."""
-    obstacles = components_of(np.pad(~free, 1, constant_values=True), 2)
-    small = obstacles.sides <= size
-    small[[0, obstacles.label[0, 0]]] = False
-    return np.asarray(small[obstacles.label[1:-1, 1:-1]])
+    obstacles = parts_of_mask(np.pad(~free, 1, constant_values=True), 2)
+    small = sides_of(obstacles) <= size
+    small[[0, obstacles.label[0]]] = False
+    return obstacles.chosen(small).mask()[1:-1, 1:-1]
 
 
 def narrower(free: Mask, thick: int) -> Mask:
     """The free cells that are in no free square with sides of more than `thick` cells."""
-    return free & ~opened(free, square(thick + 1))
+    return in_bands(lambda some: some & ~opened(some, square(thick + 1)), free, 2 * thick)
 
 
 def touches(free: Mask) -> Mask:

@@ -12,13 +12,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from vdoor.raster.morphology import components_of, counted, covered, greatest, labelled, opened, room_for, square
+from vdoor.method.space_numbers import SpaceNumbers
+from vdoor.raster.morphology import covered, in_bands, labelled, opened, room_for, square, with_neighbours
+from vdoor.raster.runs import Runs, beside, parts_of_mask, runs_of
 
 Ints = NDArray[np.int32]
 Mask = NDArray[np.bool_]
 Box = tuple[slice, ...]
 
-AROUND = tuple((down, right) for down in range(3) for right in range(3) if (down, right) != (1, 1))
 BESIDE = 2
 """Margin, in cells beyond a gap's width, within which narrow places beside an obstacle count as part of it."""
 AROUND_GAP = 2
@@ -29,14 +30,14 @@ SHORTEST_DASH = 2
 
 @dataclass(frozen=True, eq=False)
 class Spaces:
-    """Where a robot fits, and where it does not; all (h, w)."""
+    """Where a robot fits, and where it does not."""
 
-    label: Ints
-    """Number of the space that each free cell belongs to; 0 in narrow places."""
+    runs: Runs
+    """The number of the space that each free cell belongs to; none in narrow places."""
     gap: Mask
-    """Free cells between two spaces, or between two sides of one: closed for the robot."""
+    """Free cells (h, w) between two spaces, or between two sides of one: closed for the robot."""
     narrow: Mask
-    """Free cells that the robot cannot cover: gaps and nooks."""
+    """Free cells (h, w) that the robot cannot cover: gaps and nooks."""
 
     @classmethod
     def of(cls, free: Mask, wide: int) -> Spaces:
@@ -47,18 +48,17 @@ class Spaces:
         """
         element = disc(wide + 1)
         room = room_for(free, element)
-        centre, count = counted(room)
-        label = greatest(centre, element, count)
-        lowest = count + 1 - greatest((count + 1 - centre) * room, element, count)
-        gap = (label > 0) & (label != lowest)  # covered by robots in two spaces
-        label[gap] = 0
-        gap |= beside_other(label)
-        narrow = free & ((label == 0) | reached_from_two_sides(room, element))
-        gap |= between_sides(narrow, label)
-        gap |= between_sides(free & ~opened(free, square(wide + 1)), label)
-        narrow = free & (label == 0)
-        label[gap] = 0
-        return cls(label, gap, narrow | gap)
+        numbers = SpaceNumbers.of(room, element)
+        gap = numbers.gap()
+        narrow = in_bands(lambda some: reached_from_two_sides(some, element), room, 2 * len(element))
+        narrow |= ~numbers.mask
+        narrow &= free
+        gap |= between_sides(narrow, numbers)
+        gap |= between_sides(free & ~opened(free, square(wide + 1)), numbers)
+        runs = runs_of(numbers.mask & ~gap)
+        narrow = free & ~numbers.mask
+        narrow |= gap
+        return cls(runs.labelled(numbers.at(runs.first)), gap, narrow)
 
 
 def furniture(free: Mask, loose: Mask, *, gap: int, around: int, least: float) -> Mask:
@@ -69,33 +69,31 @@ def furniture(free: Mask, loose: Mask, *, gap: int, around: int, least: float) -
     none within `around` cells. Spaces of fewer than `least` cells do not count.
     """
     spaces = Spaces.of(free, gap)
-    pieces = components_of(loose, 2)
-    piece, narrow, group = pieces.label, labelled(spaces.narrow, 2), labelled(loose | spaces.narrow, 2)
-    large = np.bincount(spaces.label.ravel()) >= least
+    pieces, narrow, group = (parts_of_mask(mask, 2) for mask in (loose, spaces.narrow, loose | spaces.narrow))
+    large = np.append(False, spaces.runs.cells(spaces.runs.most) >= least)
     walls: set[int] = set()
-    beside: dict[int, set[int]] = {}
+    found: dict[int, set[int]] = {}
     # A piece without narrow places or other obstacles beside it is surrounded by one space, so it is no wall.
-    for number in np.unique(piece[with_neighbours(spaces.narrow | ~(free | loose)) & loose]).tolist():
-        box = pieces.box(number)
-        near = grown(box, max(around, gap + BESIDE), free.shape)
-        obstacle = piece[near] == number
-        own = int(group[near][obstacle][0])
+    unsure = np.flatnonzero(with_neighbours(spaces.narrow | ~(free | loose)) & loose)
+    group_of, boxes = group.at(pieces.first_cells(pieces.most)), pieces.boxes(pieces.most)
+    for number in np.unique(pieces.at(unsure)).tolist():
+        own, box = int(group_of[number - 1]), as_box(boxes[number - 1])
         if own in walls:
             continue
-        close = narrow[near] * inside(grown(box, gap + BESIDE, free.shape), near)
+        near = grown(box, max(around, gap + BESIDE), free.shape)
+        obstacle = pieces.inside(near).image() == number
+        close = narrow.inside(near).image() * inside(grown(box, gap + BESIDE, free.shape), near)
         at = with_neighbours(obstacle | np.isin(close, np.setdiff1d(close[with_neighbours(obstacle)], 0)))
-        label = spaces.label[near]
-        found = beside.setdefault(own, set())
-        found.update(space for space in np.setdiff1d(label[at], 0).tolist() if large[space])
+        label = spaces.runs.inside(near).image()
+        spaces_beside = found.setdefault(own, set())
+        spaces_beside.update(space for space in np.setdiff1d(label[at], 0).tolist() if large[space])
         part = labelled(label > 0)
         sides = np.bincount(part.ravel())[np.setdiff1d(part[at], 0)]
-        if len(found) > 1 or (sides >= least).sum() > 1:
+        if len(spaces_beside) > 1 or (sides >= least).sum() > 1:
             walls.add(own)
-    wall = np.zeros(int(group.max(initial=0)) + 1, np.bool_)
+    wall = np.zeros(group.most + 1, np.bool_)
     wall[list(walls)] = True
-    goes = loose.copy()
-    goes[loose] = ~wall[group[loose]]
-    return goes
+    return loose & ~group.chosen(wall).mask()
 
 
 def in_line(free: Mask, *, wide: int, thick: int, least: int) -> Mask:
@@ -103,13 +101,18 @@ def in_line(free: Mask, *, wide: int, thick: int, least: int) -> Mask:
 
     Dashes are at most `thick` cells thick, and one of the two is at least `least` cells long.
     """
-    found = []
-    for turned in (free, np.ascontiguousarray(free.T)):
-        thin = ~turned & ~opened(~turned, square(thick + 1)[:, :1])
-        dash, long = (opened(thin, square(length)[:1]) for length in (SHORTEST_DASH, least))
-        gap = turned & ~opened(~dash, square(wide + 1)[:1])
-        found.append(gap & beside_in_row(long, wide))
-    return np.asarray(found[0] | found[1].T)
+    reach = 2 * thick + 2 * least + 2 * wide
+    return in_bands(lambda some: _in_line(some, wide=wide, thick=thick, least=least), free, reach)
+
+
+def _in_line(free: Mask, *, wide: int, thick: int, least: int) -> Mask:
+    found = np.zeros_like(free)
+    for turn in (np.asarray, np.transpose):
+        thin = ~free & ~opened(~free, turn(square(thick + 1)[:, :1]))
+        dash, long = (opened(thin, turn(square(length)[:1])) for length in (SHORTEST_DASH, least))
+        gap = free & ~opened(~dash, turn(square(wide + 1)[:1]))
+        found |= gap & covered(long, turn(square(2 * wide + 1)[:1]))
+    return found
 
 
 def disc(side: int) -> Mask:
@@ -125,88 +128,69 @@ def reached_from_two_sides(room: Mask, element: Mask) -> Mask:
     have their centres in two separate ranges of directions; and no element covers both of two such neighbours.
     """
     down, right = len(element) - 1 - 2 * np.indices(element.shape)  # half cells from a cell to the element's centre
-    direction = np.rint(np.arctan2(down, right) / (np.pi / 4)).astype(int) % 8
     aside = element & (np.hypot(down, right) > 2)  # noqa: PLR2004  # more than a cell from the centre
-    found = starts_twice([covered(room, aside & (direction == way)) for way in range(8)])
-    found &= ~covered(room, element & ~aside)
     reached = covered(room, element)
+    cell = np.flatnonzero(reached & ~covered(room, element & ~aside))
+    direction = np.rint(np.arctan2(down, right) / (np.pi / 4)).astype(int) % 8
+    seen = np.zeros(len(cell), np.uint8)
+    for row, column in np.argwhere(aside).tolist():
+        away = (len(element) // 2 - row) * room.shape[1] + len(element) // 2 - column
+        # Nothing fits so near to the edge that a step beyond it, in the next row, would find it.
+        centre = room.reshape(-1).take(cell + away, mode="clip").view(np.uint8)
+        seen |= centre << np.uint8(direction[row, column])
+    found = np.zeros_like(room)
+    found.reshape(-1)[cell[TWO_RANGES[seen]]] = True
     for first, second in ((np.s_[:-1], np.s_[1:]), (np.s_[:, :-1], np.s_[:, 1:])):
         pair = np.zeros_like(element)
         pair[first] = element[first] & element[second]
-        meet = (reached[first] & reached[second]) & ~covered(room, pair)[first]
+        meet = reached[first] & reached[second]
+        meet &= ~covered(room, pair)[first]
         found[first] |= meet
         found[second] |= meet
-    return np.asarray(found)
-
-
-def starts_twice(seen: list[Mask]) -> Mask:
-    """Where two or more ranges of set masks begin, in a list that is closed to a ring."""
-    once, twice = np.zeros_like(seen[0]), np.zeros_like(seen[0])
-    for number, mask in enumerate(seen):
-        begins = mask & ~seen[number - 1]
-        twice |= once & begins
-        once |= begins
-    return twice
-
-
-def beside_other(label: Ints) -> Mask:
-    """The labelled cells with a 4-neighbour of another label."""
-    found = np.zeros(label.shape, np.bool_)
-    for one, other in ((np.s_[1:], np.s_[:-1]), (np.s_[:, 1:], np.s_[:, :-1])):
-        differs = (label[one] != label[other]) & (label[one] > 0) & (label[other] > 0)
-        found[one] |= differs
-        found[other] |= differs
     return found
 
 
-def between_sides(narrow: Mask, label: Ints) -> Mask:
+def ranges_of(bits: int) -> int:
+    """The number of ranges of set bits in a byte that is closed to a ring."""
+    return sum(bits >> way & 1 and not bits >> (way - 1) % 8 & 1 for way in range(8))
+
+
+TWO_RANGES = np.array([ranges_of(bits) > 1 for bits in range(256)])
+
+
+def between_sides(narrow: Mask, numbers: SpaceNumbers) -> Mask:
     """The pieces (h, w) of narrow places between two spaces, or between two sides of one.
 
     Sides of a space are those that are not connected near the piece.
     """
-    pieces = components_of(narrow, 2)
-    piece, count = pieces.label, pieces.count + 1
-    space = label * ~narrow
-    side = labelled((space > 0) & with_neighbours(narrow))
-    of_spaces, of_sides = (np.bincount(pairs_beside(piece, other)[:, 0], minlength=count) for other in (space, side))
-    gap = of_spaces > 1
-    for number in np.flatnonzero((of_sides > 1) & ~gap).tolist():
-        near = grown(pieces.box(number), AROUND_GAP, narrow.shape)
-        part = labelled(space[near] > 0)
-        gap[number] = len(np.setdiff1d(part[with_neighbours(piece[near] == number)], 0)) > 1
-    found = np.zeros_like(narrow)
-    found[narrow] = gap[piece[narrow]]
-    return found
-
-
-def with_neighbours(mask: Mask) -> Mask:
-    """The cells of a mask (h, w) and their eight neighbours."""
-    tall = mask.copy()
-    tall[1:] |= mask[:-1]
-    tall[:-1] |= mask[1:]
-    found = tall.copy()
-    found[:, 1:] |= tall[:, :-1]
-    found[:, :-1] |= tall[:, 1:]
-    return found
-
-
-def beside_in_row(mask: Mask, reach: int) -> Mask:
-    """The cells of a mask (h, w), and those at most `reach` cells to the left or right of them."""
-    padded = np.pad(mask, ((0, 0), (reach, reach)))
-    return np.asarray(
-        np.logical_or.reduce([padded[:, begin : begin + mask.shape[1]] for begin in range(2 * reach + 1)])
+    pieces = parts_of_mask(narrow, 2)
+    space = numbers.mask & ~narrow
+    ring = space & with_neighbours(narrow)
+    cell = np.flatnonzero(ring)
+    piece, at = beside(pieces, cell)
+    of_spaces, of_sides = (
+        counts(piece, own[at], pieces.most + 1) for own in (numbers.at(cell), parts_of_mask(ring).at(cell))
     )
+    gap = of_spaces > 1
+    unsure = (of_sides > 1) & ~gap
+    boxes = pieces.chosen(unsure).boxes(pieces.most)
+    for number in np.flatnonzero(unsure).tolist():
+        near = grown(as_box(boxes[number - 1]), AROUND_GAP, narrow.shape)
+        part = labelled(space[near])
+        gap[number] = len(np.setdiff1d(part[with_neighbours(pieces.inside(near).image() == number)], 0)) > 1
+    return pieces.chosen(gap).mask()
 
 
-def pairs_beside(one: Ints, other: Ints) -> Ints:
-    """The pairs (k, 2) of labels in two images (h, w) that are 8-neighbours, sorted."""
-    row, col = np.nonzero(one)
-    padded = np.pad(other, 1)
-    near = np.stack([padded[row + down, col + right] for down, right in AROUND])
-    own = np.broadcast_to(one[row, col], near.shape)[near > 0]
-    count = int(other.max(initial=0)) + 1
-    key = np.unique(own.astype(np.int64) * count + near[near > 0])
-    return np.stack([key // count, key % count], axis=1).astype(np.int32)
+def counts(piece: Ints, other: Ints, count: int) -> NDArray[np.intp]:
+    """The number (count,) of different values of `other` (k,) with each piece (k,)."""
+    most = int(other.max(initial=0)) + 1
+    return np.bincount(np.unique(piece.astype(np.int64) * most + other) // most, minlength=count)
+
+
+def as_box(sides: NDArray[np.int64]) -> Box:
+    """A bounding box (4,) as slices."""
+    top, left, bottom, right = sides.tolist()
+    return slice(top, bottom), slice(left, right)
 
 
 def grown(box: Box, margin: int, shape: tuple[int, ...]) -> Box:

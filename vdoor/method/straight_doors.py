@@ -11,9 +11,8 @@ from numpy.typing import NDArray
 
 from vdoor.method.doors import measures
 from vdoor.method.initial_map import InitialMap
-from vdoor.method.spaces import with_neighbours
 from vdoor.raster.lines import lines_between
-from vdoor.raster.morphology import labelled
+from vdoor.raster.morphology import labelled, with_neighbours
 
 Ints = NDArray[np.int32]
 Floats = NDArray[np.float64]

@@ -18,9 +18,12 @@ def components(links: NDArray[np.intp], count: int) -> NDArray[np.intp]:
     if not count:
         return np.zeros(0, np.intp)
     graph = scipy.sparse.coo_array((np.ones(links.shape[1], np.bool_), (links[0], links[1])), shape=(count, count))
-    _, label = scipy.sparse.csgraph.connected_components(graph, directed=False)
-    _, first, inverse = np.unique(label, return_index=True, return_inverse=True)
-    return np.argsort(np.argsort(first))[inverse]
+    found, label = scipy.sparse.csgraph.connected_components(graph, directed=False)
+    first = np.empty(found, np.intp)
+    first[label[::-1]] = np.arange(count)[::-1]
+    number = np.empty(found, np.intp)
+    number[np.argsort(first)] = np.arange(found)
+    return number[label]
 
 
 def contacts(labels: Ints) -> tuple[Floats, Ints]:

@@ -6,15 +6,22 @@ one predecessor, so the contours are the cycles of a permutation, found from a t
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+
+from vdoor.raster.runs import Runs
 
 # Row and column step of the headings east, north, west, south: left of heading h is heading h + 1.
 STEP = np.array([(0, 1), (-1, 0), (0, -1), (1, 0)], np.int32)
 # The corner of a cell (row, col) behind the walker on its left, where the crack to its left begins.
 CRACK_START = np.array([(0, 0), (1, 0), (1, 1), (0, 1)], np.int32)
+
+ROWS = 512
+"""Rows of a raster that are walked at a time."""
 
 
 @dataclass(frozen=True)
@@ -37,15 +44,48 @@ class Contours:
     """(contours,) whether the contour runs around its region, not around a hole in it."""
 
 
-def follow(labels: NDArray[np.int32] | NDArray[np.bool_], *, cross_corners: bool = False) -> Contours:
+class Band(NamedTuple):
+    """Some rows of a raster with one cell more on each side, 0 outside the raster."""
+
+    first: int
+    """The flat index of the first cell in the whole raster with a margin of one cell."""
+    cells: NDArray[Any]
+
+
+def bands(labels: NDArray[Any] | Runs) -> Iterator[Band]:
+    """A raster (h, w) in bands of `ROWS` rows, which take little memory."""
+    height, width = labels.shape
+    for top in range(0, height, ROWS):
+        bottom = min(top + ROWS, height)
+        rows = slice(max(top - 1, 0), min(bottom + 1, height))
+        some = labels.inside((rows, slice(0, width))).image() if isinstance(labels, Runs) else labels[rows]
+        missing = (int(top == 0), int(bottom == height))
+        yield Band(top * (width + 2), np.pad(some, (missing, (1, 1))))
+
+
+def follow(labels: NDArray[np.int32] | NDArray[np.bool_] | Runs, *, cross_corners: bool = False) -> Contours:
     """Contours of all regions of equal, non-zero labels (h, w).
 
     Blocked ahead: turn right. Free ahead with a wall ahead on the left: go straight. Otherwise: turn left around the
     wall's end. This treats regions as 4-connected. With `cross_corners` the path crosses a corner to a diagonal cell of
     its own region, so that no ring touches itself, though a hole may touch the outer ring: valid polygons.
     """
-    padded = np.pad(labels, 1)
-    flat, width = padded.ravel(), padded.shape[1]
+    found = [_states(band, cross_corners=cross_corners) for band in bands(labels)]
+    state, to, turn = (np.concatenate(parts) for parts in zip(*found, strict=True))
+    at, heading = np.divmod(state, 4)
+    successor = np.searchsorted(state, to * 4 + (heading + turn) % 4)
+    width = labels.shape[1] + 2
+
+    order, first, length = cycles(successor)
+    contour = np.repeat(np.arange(len(first), dtype=np.int32), length)
+    cell = np.stack(np.divmod(at[order], width), axis=1).astype(np.int32) - 1
+    turns = np.bincount(contour, weights=turn[order], minlength=len(first))
+    return Contours(cell, heading[order].astype(np.int32), turn[order], contour, first, length, turns < 0)
+
+
+def _states(band: Band, *, cross_corners: bool) -> tuple[NDArray[np.intp], NDArray[np.intp], NDArray[np.int32]]:
+    """The states (n,) in a band as 4 * cell + heading, sorted; the cell of each one's successor, and the turn to it."""
+    flat, width = band.cells.ravel(), band.cells.shape[1]
     ahead_by = np.array([1, -width, -1, width])
     left_by = np.roll(ahead_by, -1)
 
@@ -54,11 +94,10 @@ def follow(labels: NDArray[np.int32] | NDArray[np.bool_], *, cross_corners: bool
         differs = flat[by:] != flat[:-by]
         edge[by:] |= differs
         edge[:-by] |= differs
-    at = np.flatnonzero(edge & (flat != 0))
+    at = width + np.flatnonzero((edge & (flat != 0))[width:-width])
     beside = np.stack([flat[at + by] != flat[at] for by in left_by], axis=1)
     row, heading = np.nonzero(beside)
     at = at[row]
-    state = at * 4 + heading
 
     ahead = at + ahead_by[heading]
     across = ahead + left_by[heading]
@@ -66,13 +105,7 @@ def follow(labels: NDArray[np.int32] | NDArray[np.bool_], *, cross_corners: bool
     left = across_free if cross_corners else across_free & ahead_free
     turn = np.where(left, 1, np.where(ahead_free, 0, -1)).astype(np.int32)
     to = np.where(left, across, np.where(ahead_free, ahead, at))
-    successor = np.searchsorted(state, to * 4 + (heading + turn) % 4)
-
-    order, first, length = cycles(successor)
-    contour = np.repeat(np.arange(len(first), dtype=np.int32), length)
-    cell = np.stack(np.divmod(at[order], width), axis=1).astype(np.int32) - 1
-    turns = np.bincount(contour, weights=turn[order], minlength=len(first))
-    return Contours(cell, heading[order].astype(np.int32), turn[order], contour, first, length, turns < 0)
+    return (band.first + at) * 4 + heading, band.first + to, turn
 
 
 def cycles(successor: NDArray[np.intp]) -> tuple[NDArray[np.intp], NDArray[np.int32], NDArray[np.int32]]:

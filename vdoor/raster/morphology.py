@@ -5,7 +5,7 @@ An element is a small mask (j, k); where it fits is indexed by its middle cell, 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
 from typing import Any
 
 import cv2
@@ -14,45 +14,20 @@ from numpy.typing import NDArray
 
 Ints = NDArray[np.int32]
 Mask = NDArray[np.bool_]
-Box = tuple[slice, slice]
 
 CROSS = np.array([[0, 1, 0], [1, 1, 1], [0, 1, 0]], np.bool_)
 """A cell and its four neighbours."""
+BAND_CELLS = 1 << 22
+"""Cells of a raster that are worked on at a time: a mask of so many fits a processor's cache."""
 EXACT_CELLS = 2000
 """Distances up to this, in cells, have squares that are found exactly from OpenCV's 24 bits."""
-LEVELS: tuple[type[Any], ...] = (np.uint8, np.uint16, np.float32)
-"""Types that OpenCV compares, smallest first; the last holds whole numbers up to 2**24."""
-
-
-@dataclass(frozen=True, eq=False)
-class Components:
-    """The connected components of a mask, numbered from 1 in reading order of their first cells."""
-
-    label: Ints
-    """(h, w) the component of each cell; 0 where the mask is not set."""
-    cells: NDArray[np.int64]
-    """(count + 1,) number of cells; 0 for label 0."""
-    boxes: NDArray[np.int64]
-    """(count + 1, 4) first row, first column, and the row and column after the last; zeros for label 0."""
-
-    @property
-    def count(self) -> int:
-        """The number of components."""
-        return len(self.cells) - 1
-
-    @property
-    def sides(self) -> NDArray[np.int64]:
-        """(count + 1,) the longer side of each bounding box, in cells."""
-        return np.asarray((self.boxes[:, 2:] - self.boxes[:, :2]).max(axis=1))
-
-    def box(self, number: int) -> Box:
-        """The bounding box of one component."""
-        top, left, bottom, right = self.boxes[number].tolist()
-        return slice(top, bottom), slice(left, right)
 
 
 def labelled(mask: Mask, connectivity: int = 1) -> Ints:
-    """The component (h, w) of each cell, as in `Components`; 4-connected (1) or 8-connected (2)."""
+    """The connected component (h, w) of each cell, from 1 in reading order; 4-connected (1) or 8-connected (2).
+
+    For small rasters; `parts_of_mask` takes less of large ones.
+    """
     return counted(mask, connectivity)[0]
 
 
@@ -63,20 +38,25 @@ def counted(mask: Mask, connectivity: int = 1) -> tuple[Ints, int]:
     return np.asarray(label, np.int32), count - 1
 
 
-def components_of(mask: Mask, connectivity: int = 1) -> Components:
-    """The components of a mask (h, w) with their sizes; 4-connected (1) or 8-connected (2)."""
-    ways = 4 * connectivity
-    found = cv2.connectedComponentsWithStatsWithAlgorithm(bytes_of(mask), ways, cv2.CV_32S, cv2.CCL_SAUF)
-    left, top, width, height, cells = np.asarray(found[2], np.int64).T
-    boxes = np.stack([top, left, top + height, left + width], axis=1)
-    cells = np.append(0, cells[1:])
-    boxes[0] = 0
-    return Components(np.asarray(found[1], np.int32), cells, boxes)
-
-
 def bytes_of(mask: Mask) -> NDArray[np.uint8]:
     """A mask as bytes, row by row, without a copy if it lies so."""
     return np.ascontiguousarray(mask).view(np.uint8)
+
+
+def in_bands(of: Callable[[Mask], Mask], mask: Mask, reach: int) -> Mask:
+    """The result (h, w) of a function of a mask, made for some rows at a time, which takes little memory.
+
+    A cell of the result may depend on the rows up to `reach` away only.
+    """
+    height, width = mask.shape
+    rows = max(BAND_CELLS // max(width, 1), 1)
+    if rows >= height:
+        return of(mask)
+    found = np.empty_like(mask)
+    for top in range(0, height, rows):
+        first = max(top - reach, 0)
+        found[top : top + rows] = of(mask[first : top + rows + reach])[top - first :][:rows]
+    return found
 
 
 def room_for(mask: Mask, element: Mask, *, outside: bool = False) -> Mask:
@@ -88,21 +68,11 @@ def room_for(mask: Mask, element: Mask, *, outside: bool = False) -> Mask:
 
 def covered(room: Mask, element: Mask) -> Mask:
     """The cells (h, w) that an element covers wherever it is placed; `room` is indexed as from `room_for`."""
-    return _greatest(bytes_of(room), element).view(np.bool_)
-
-
-def greatest(value: Ints, element: Mask, most: int) -> Ints:
-    """The greatest value (h, w), 0 to `most`, of all elements that cover a cell; indexed as from `room_for`."""
-    level = LEVELS[(most > 0xFF) + (most > 0xFFFF)]  # noqa: PLR2004  # what one byte and what two can hold
-    return _greatest(value.astype(level), element).astype(np.int32)
-
-
-def _greatest(value: NDArray[Any], element: Mask) -> NDArray[Any]:
     if not element.any():
-        return np.zeros_like(value)
+        return np.zeros_like(room)
     middle = (element.shape[1] - 1) // 2, (element.shape[0] - 1) // 2
     border: dict[str, Any] = {"borderType": cv2.BORDER_CONSTANT, "borderValue": (0.0,)}
-    return np.asarray(cv2.dilate(value, bytes_of(element[::-1, ::-1]), anchor=middle, **border))
+    return np.asarray(cv2.dilate(bytes_of(room), bytes_of(element[::-1, ::-1]), anchor=middle, **border)).view(np.bool_)
 
 
 def opened(mask: Mask, element: Mask, *, outside: bool = False) -> Mask:
@@ -118,6 +88,11 @@ def eroded(mask: Mask) -> Mask:
 def dilated(mask: Mask) -> Mask:
     """The cells of a mask (h, w) and their four neighbours."""
     return covered(mask, CROSS)
+
+
+def with_neighbours(mask: Mask) -> Mask:
+    """The cells of a mask (h, w) and their eight neighbours."""
+    return covered(mask, square(3))
 
 
 def square(side: int) -> Mask:

@@ -20,7 +20,11 @@ class Padded:
     """A raster that can be read at any point (row, col); points outside it have the value `outside`."""
 
     def __init__(self, raster: NDArray[np.generic], outside: float | bool) -> None:
-        self.raster = np.pad(raster, 1, constant_values=outside)
+        self._hold(np.pad(raster, 1, constant_values=outside))
+
+    def _hold(self, padded: NDArray[np.generic]) -> None:
+        """Take a raster that has a margin of one cell."""
+        self.raster = padded
         self.height, self.width = self.raster.shape
         self.flat = self.raster.reshape(-1)
 

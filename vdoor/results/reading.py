@@ -8,28 +8,26 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from vdoor.api import in_own_frame
 from vdoor.errors import RecordingError, VdoorError
 from vdoor.evaluate.label_files import read_image, read_labels, read_table
-from vdoor.formats import read_annotations
 from vdoor.formats.source import checked_resolution_m, shown
 from vdoor.frame import Frame
 from vdoor.grid import FREE, OCCUPIED, UNKNOWN, Annotations, OccupancyGrid
-from vdoor.history.provenance import Provenance, facts_of
-from vdoor.method.final_doors import Doors
-from vdoor.method.final_map import Features, map_of, ranked
-from vdoor.pipeline import RECORDS
+from vdoor.method.finished import Doors, Features, map_of
+from vdoor.raster.runs import runs_of
 from vdoor.record import TEXT
-from vdoor.recording.mcap import read_recording
 from vdoor.results.annotations import read_table as annotations_in
 from vdoor.results.segments import named_by_robot
 from vdoor.results.writing import GREY_FREE, GREY_OCCUPIED, NAMES, SCHEMA, file_in, refuse_others
 from vdoor.topology import KINDS, Door, TopologicalMap
+
+if TYPE_CHECKING:
+    from vdoor.history.provenance import Provenance
 
 Ints = NDArray[np.int32]
 Feature = tuple[int, bool, tuple[float, float]]
@@ -65,6 +63,12 @@ def files_of(path: Path) -> list[Path]:
 
 def read_last(path: Path, *, provenance: bool = False) -> Finished:
     """The result at the end of a recording; raises `RecordingError` if the run is not finished."""
+    from vdoor.api import in_own_frame  # noqa: PLC0415  # a result folder is read without the method
+    from vdoor.formats import read_annotations  # noqa: PLC0415
+    from vdoor.history.provenance import Provenance  # noqa: PLC0415
+    from vdoor.pipeline import RECORDS  # noqa: PLC0415
+    from vdoor.recording.mcap import read_recording  # noqa: PLC0415
+
     topic, found = "nothing", None
     recording = read_recording(path, types=RECORDS)
     origin = Provenance.of(recording.info) if provenance else None
@@ -118,6 +122,8 @@ def _provenance(folder: Path, document: Mapping[str, Any], frame: Frame) -> Prov
 
     Raises `KeyError` and similar exceptions for a document of a different structure.
     """
+    from vdoor.history.provenance import Provenance, facts_of  # noqa: PLC0415  # only if requested
+
     files = tuple((str(file["name"]), str(file["sha256"])) for file in document["source"]["files"])
     settings: Mapping[str, Any] = dict(document["settings"])
     provenance = Provenance(facts_of(document["vdoor"], document["preset"], document["seed"]), settings, files)
@@ -173,7 +179,7 @@ def _frame(document: dict[str, Any], shape: tuple[int, ...]) -> Frame:
 def _rooms(tables: list[dict[str, Any]], labels: Ints) -> set[int]:
     """The ids of the rooms; raises `VdoorError` unless they ascend and are those of the label image."""
     ids = [table["id"] for table in tables]
-    found = ranked(labels)[0].tolist()
+    found = np.unique(runs_of(labels).label).tolist()
     if not found or ids != found or any(type(room) is not int for room in ids):
         rooms = f"{len(ids)} rooms in map.json and {len(found)} in rooms.png"
         raise VdoorError(f"result: wanted the same rooms in both, sorted by id, found {rooms}")

@@ -11,14 +11,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import yaml
 from numpy.typing import NDArray
 from PIL import Image
 
 from vdoor.emit import RunInfo
 from vdoor.errors import VdoorError
 from vdoor.files import partial_name
-from vdoor.formats import read_annotations
 from vdoor.grid import OccupancyGrid, Source
 from vdoor.partial import together
 from vdoor.results.annotations import table_of
@@ -56,8 +54,7 @@ def contents_of(
         "grid.png": png(greys(grid)),
     }
     document["files"] = {name: hashlib.sha256(content).hexdigest() for name, content in others.items()}
-    text = json.dumps(document, indent=1, allow_nan=False) + "\n"
-    return [("map.json", text.encode()), *others.items()]
+    return [("map.json", _json(document)), *others.items()]
 
 
 def file_in(folder: Path, name: str, document: Mapping[str, Any]) -> Path:
@@ -103,15 +100,44 @@ def rewritten(folder: Path, topology: TopologicalMap, edits: Sequence[str]) -> l
         document["files"]["rooms.png"] = hashlib.sha256(labels).hexdigest()
     document["settings"]["edit"] = document["settings"].get("edit", {}) | {"edits": list(edits)}
     try:
-        text = json.dumps(document, indent=1, allow_nan=False) + "\n"
+        text = _json(document)
     except ValueError as error:  # such as NaN, which Python reads although it is not valid JSON
         raise VdoorError(f"map.json: wanted finite numbers, found others: {folder}") from error
-    return [(folder / "map.json", text.encode()), (folder / "rooms.png", labels)]
+    return [(folder / "map.json", text), (folder / "rooms.png", labels)]
+
+
+def _json(document: Mapping[str, Any]) -> bytes:
+    """The document as JSON, a line for each field and for each room, door, node and edge.
+
+    Raises `ValueError` for numbers that are not finite.
+    """
+    return "".join(
+        ["{\n", ",\n".join(f" {_name(name)}{_lines(value)}" for name, value in document.items()), "\n}\n"]
+    ).encode()
+
+
+def _lines(value: Any) -> str:
+    """A value of a document, a line for each item of a list and for each list of a table."""
+    if isinstance(value, list) and value and isinstance(value[0], dict):
+        return "[\n  " + ",\n  ".join(map(_dumped, value)) + "\n ]"
+    if isinstance(value, dict) and any(isinstance(item, list | dict) for item in value.values()):
+        return "{\n  " + ",\n  ".join(f"{_name(name)}{_dumped(item)}" for name, item in value.items()) + "\n }"
+    return _dumped(value)
+
+
+def _name(name: str) -> str:
+    return f"{json.dumps(name)}: "
+
+
+def _dumped(value: Any) -> str:
+    return json.dumps(value, allow_nan=False)
 
 
 def document_of(topology: TopologicalMap, info: RunInfo, timings_s: Mapping[str, float]) -> dict[str, Any]:
     """The content of map.json: lengths in metres, points as [x, y] in the map frame."""
     frame = topology.frame
+    from vdoor.formats import read_annotations  # noqa: PLC0415  # loads all readers
+
     annotations = read_annotations(info.source)
     return {
         "schema": SCHEMA,
@@ -139,7 +165,7 @@ def _graph(topology: TopologicalMap) -> dict[str, Any]:
     rooms, doors = topology.rooms, topology.doors
     return {
         "rooms": [_room(room) for room in rooms],
-        "doors": [_door(door) for door in doors],
+        "doors": [_fields(door) for door in doors],
         "graph": {
             "nodes": [room.id for room in rooms],
             "edges": [{"door": door.id, "rooms": list(door.rooms)} for door in doors],
@@ -148,16 +174,13 @@ def _graph(topology: TopologicalMap) -> dict[str, Any]:
 
 
 def _room(room: Room) -> dict[str, Any]:
-    fields = dataclasses.asdict(room)
-    corners = [
-        {"point_m": corner["point_m"], "kind": "convex" if corner["convex"] else "concave"}
-        for corner in fields["corners"]
-    ]
-    return fields | {"corners": corners}
+    corners = [{"point_m": corner.point_m, "kind": "convex" if corner.convex else "concave"} for corner in room.corners]
+    return _fields(room) | {"corners": corners}
 
 
-def _door(door: Door) -> dict[str, Any]:
-    return dataclasses.asdict(door)
+def _fields(record: Room | Door) -> dict[str, Any]:
+    """The fields by name, as they are: `dataclasses.asdict` would copy each point of a polygon."""
+    return {field.name: getattr(record, field.name) for field in dataclasses.fields(record)}
 
 
 def greys(grid: OccupancyGrid) -> NDArray[np.uint8]:
@@ -177,6 +200,8 @@ def png(image: NDArray[np.uint8] | NDArray[np.uint16]) -> bytes:
 
 def map_server_yaml(grid: OccupancyGrid, image: str, *, mode: str = "raw") -> bytes:
     """The YAML file that ROS map_server needs with an image of the grid's shape."""
+    import yaml  # noqa: PLC0415  # reading a result needs none
+
     frame = grid.frame
     return yaml.safe_dump(
         {

@@ -204,13 +204,13 @@ def _hole(face: Face, floor: Canvas, start_m: float, width_m: float) -> tuple[Re
     beside = (start_m - CORNER_M, start_m, start_m + width_m, start_m + width_m + CORNER_M)
     if any(floor.at(face.strip(at_m, 0.0, FINE_M).middle) for at_m in beside):
         return None
-    depth_m = _thickness(face, floor, start_m + width_m / 2)
+    depth_m = wall_thickness(face, floor, start_m + width_m / 2)
     if depth_m <= THIN_M + FINE_M / 2:
         return (face.strip(start_m, width_m, depth_m), True) if face.sign < 0 and depth_m else None
     return face.strip(start_m, width_m, min(depth_m / 2, FACE_M)), False
 
 
-def _thickness(face: Face, floor: Canvas, at_m: float) -> float:
+def wall_thickness(face: Face, floor: Canvas, at_m: float) -> float:
     """Return how far it is from a face to the next floor behind it, or 0.6 m where none is near."""
     for k in range(round(DEEPEST_M / FINE_M)):
         point = face.strip(at_m, 0.0, (2 * k + 1) * FINE_M).middle

@@ -11,8 +11,8 @@ from vdoor.synth import furniture, scan
 from vdoor.synth.canvas import Cells, Placed, Rect, Shape, box
 from vdoor.synth.drawn_walls import Walls, draw_walls
 from vdoor.synth.home_plan import draw_home_plan
-from vdoor.synth.layout import Gap, Layout, Opened, SlantingGap, drawn, laid_on_map
-from vdoor.synth.settings import Home, chance, log_uniform
+from vdoor.synth.layout import Drawn, Gap, Layout, Opened, SlantingGap, drawn, laid_on_map
+from vdoor.synth.settings import Dwelling, Home, chance, log_uniform
 from vdoor.synth.truth import SyntheticMap, with_truth
 from vdoor.synth.wall_style import drawn_style, planned
 
@@ -27,14 +27,21 @@ def draw_home(settings: Home, rng: np.random.Generator) -> SyntheticMap:
     style = drawn_style(settings, for_style)
     built = planned(settings, style)
     plan = drawn(draw_home_plan(built, for_plan))
-    standing = _beside_doors(plan.opened, settings, for_doors) + _furniture(plan.layout, settings, for_furniture)
-    furniture.keep_passable(plan, standing)
+    furnish(plan, settings, for_doors, for_furniture)
     placed = laid_on_map(plan.canvas, settings, AROUND_M, for_place)
     walls = Walls(style, for_walls, plan, placed, built.wall_max_m)
     return with_truth(_scanned(walls, settings, for_scan), placed, plan.opened, settings)
 
 
-def _beside_doors(opened: Sequence[Opened], settings: Home, rng: np.random.Generator) -> list[tuple[Rect, Shape]]:
+def furnish(
+    plan: Drawn, settings: Dwelling, for_doors: np.random.Generator, for_furniture: np.random.Generator
+) -> None:
+    """Put furniture on the canvas of a plan, and leaves and what flanks doors beside these."""
+    standing = _beside_doors(plan.opened, settings, for_doors) + _furniture(plan.layout, settings, for_furniture)
+    furniture.keep_passable(plan, standing)
+
+
+def _beside_doors(opened: Sequence[Opened], settings: Dwelling, rng: np.random.Generator) -> list[tuple[Rect, Shape]]:
     """Return leaves and what flanks doors, each with the place by its door."""
     found: list[tuple[Rect, Shape]] = []
     for gap in (door.gap for door in opened if not isinstance(door.gap, SlantingGap)):
@@ -45,7 +52,7 @@ def _beside_doors(opened: Sequence[Opened], settings: Home, rng: np.random.Gener
     return found
 
 
-def _furniture(layout: Layout, settings: Home, rng: np.random.Generator) -> list[tuple[Rect, Shape]]:
+def _furniture(layout: Layout, settings: Dwelling, rng: np.random.Generator) -> list[tuple[Rect, Shape]]:
     """Return shafts, and what stands in all rooms unless furniture is off, each with its floor."""
     clear_m = (settings.wall_piece_clear_m, settings.clutter_clear_m)
     wide, close = ([gap.clear(away_m, 0.05) for gap in layout.gaps] for away_m in clear_m)
@@ -61,7 +68,7 @@ def _furniture(layout: Layout, settings: Home, rng: np.random.Generator) -> list
     return [(floor, shape) for floor, shape in found if furniture.clear_of(shape, close)]
 
 
-def _large(floor: Rect, settings: Home, rng: np.random.Generator) -> list[Shape]:
+def _large(floor: Rect, settings: Dwelling, rng: np.random.Generator) -> list[Shape]:
     """Return cupboards, beds and sofas of one room, and boxes that stand free."""
     pieces = [
         box(rect)

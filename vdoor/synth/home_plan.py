@@ -10,7 +10,7 @@ import numpy as np
 
 from vdoor.synth.canvas import AXES, Axis, Rect, fine, square_to
 from vdoor.synth.layout import Gap, Groups, Layout, SlantingGap, placed_door, walls_between
-from vdoor.synth.settings import Home, chance, log_uniform
+from vdoor.synth.settings import Dwelling, chance, log_uniform
 
 MARGIN_M = 0.5
 CORRIDOR_FROM_M2 = 45.0
@@ -30,7 +30,7 @@ class Link:
     rank: float
 
 
-def draw_home_plan(settings: Home, rng: np.random.Generator) -> Layout:
+def draw_home_plan(settings: Dwelling, rng: np.random.Generator) -> Layout:
     """Return a plan whose rooms are all joined."""
     area = log_uniform(settings.area_min_m2, settings.area_max_m2, rng)
     long_m = math.sqrt(area * rng.uniform(1.0, settings.aspect_max))
@@ -52,7 +52,7 @@ def draw_home_plan(settings: Home, rng: np.random.Generator) -> Layout:
     return Layout(tuple(floors), tuple(gap for _, gap in gaps), size)
 
 
-def _rooms(inside: Rect, settings: Home, rng: np.random.Generator) -> tuple[list[Rect], Rect | None]:
+def _rooms(inside: Rect, settings: Dwelling, rng: np.random.Generator) -> tuple[list[Rect], Rect | None]:
     """Return rooms, and which of them is the corridor."""
     largest = rng.uniform(settings.room_min_m2, settings.room_max_m2)
     parts, corridor = [inside], None
@@ -62,7 +62,7 @@ def _rooms(inside: Rect, settings: Home, rng: np.random.Generator) -> tuple[list
     return rooms + ([corridor] if corridor else []), corridor
 
 
-def _around_corridor(inside: Rect, settings: Home, rng: np.random.Generator) -> tuple[list[Rect], Rect | None]:
+def _around_corridor(inside: Rect, settings: Dwelling, rng: np.random.Generator) -> tuple[list[Rect], Rect | None]:
     """Return what a corridor leaves, and the corridor: through all of the home, or ending before a part of it."""
     along: Axis = 0 if inside.sides[0] >= inside.sides[1] else 1
     across = square_to(along)
@@ -82,11 +82,11 @@ def _around_corridor(inside: Rect, settings: Home, rng: np.random.Generator) -> 
     return [piece for piece in pieces if piece is not main] + beside, main.spanning(across, low, high)
 
 
-def _thickness(settings: Home, rng: np.random.Generator) -> float:
+def _thickness(settings: Dwelling, rng: np.random.Generator) -> float:
     return fine(rng.uniform(settings.wall_min_m, settings.wall_max_m))
 
 
-def _divided(part: Rect, largest_m2: float, settings: Home, rng: np.random.Generator) -> list[Rect]:
+def _divided(part: Rect, largest_m2: float, settings: Dwelling, rng: np.random.Generator) -> list[Rect]:
     """Return a part of the home as rooms."""
     if part.area <= largest_m2 * rng.uniform(0.5, 1.0):
         return [part]
@@ -98,7 +98,7 @@ def _divided(part: Rect, largest_m2: float, settings: Home, rng: np.random.Gener
     return [part]
 
 
-def _halves(part: Rect, axis: Axis, share: float, settings: Home, rng: np.random.Generator) -> list[Rect]:
+def _halves(part: Rect, axis: Axis, share: float, settings: Dwelling, rng: np.random.Generator) -> list[Rect]:
     """Return two pieces of a part with a wall between, or the whole if a piece would be too small."""
     wall = _thickness(settings, rng)
     low, high = part.low[axis], part.high[axis]
@@ -108,7 +108,7 @@ def _halves(part: Rect, axis: Axis, share: float, settings: Home, rng: np.random
     return [part.spanning(axis, low, at), part.spanning(axis, fine(at + wall), high)]
 
 
-def _links(rooms: list[Rect], corridor: Rect | None, settings: Home, rng: np.random.Generator) -> list[Link]:
+def _links(rooms: list[Rect], corridor: Rect | None, settings: Dwelling, rng: np.random.Generator) -> list[Link]:
     """Return all walls between neighbours, those of the corridor ranked first."""
     needs = settings.door_max_m + 2 * CORNER_M[0]
     return [
@@ -118,7 +118,9 @@ def _links(rooms: list[Rect], corridor: Rect | None, settings: Home, rng: np.ran
     ]
 
 
-def _set_back(rooms: list[Rect], settings: Home, rng: np.random.Generator) -> tuple[list[Rect], list[Rect], list[Link]]:
+def _set_back(
+    rooms: list[Rect], settings: Dwelling, rng: np.random.Generator
+) -> tuple[list[Rect], list[Rect], list[Link]]:
     """Return rooms of which one is set back from its neighbour, the bay this leaves, and the slanting door beside it.
 
     The door runs from the wall's end across the corner, between the neighbour with its bay and a third room.
@@ -161,7 +163,7 @@ def _around_corner(
     return smaller, bay, SlantingGap(opened, axis, leaf=False, line=line)
 
 
-def _meet(main: Rect, beside: Rect, back: Rect, axis: Axis, settings: Home) -> bool:
+def _meet(main: Rect, beside: Rect, back: Rect, axis: Axis, settings: Dwelling) -> bool:
     """Whether `beside` and `back` lie side by side along one wall of `main`, with room for a slanting door between."""
     along = square_to(axis)
     walls = [list(walls_between(main, other, settings.wall_max_m, 1.2)) for other in (beside, back)]
@@ -177,7 +179,7 @@ def _meet(main: Rect, beside: Rect, back: Rect, axis: Axis, settings: Home) -> b
     )
 
 
-def _without_outside(count: int, links: list[Link], settings: Home, rng: np.random.Generator) -> set[int]:
+def _without_outside(count: int, links: list[Link], settings: Dwelling, rng: np.random.Generator) -> set[int]:
     """Return which rooms belong to the home: those left are joined, and never less than two thirds."""
     kept = set(range(count))
     bound = {room for link in links if link.rank == FORCED for room in link.rooms}
@@ -190,7 +192,7 @@ def _without_outside(count: int, links: list[Link], settings: Home, rng: np.rand
 
 
 def _join(
-    count: int, links: list[Link], settings: Home, rng: np.random.Generator
+    count: int, links: list[Link], settings: Dwelling, rng: np.random.Generator
 ) -> tuple[list[tuple[tuple[int, int], Gap]], list[Link]]:
     """Return the doors and openings of a random spanning tree and a few more, and the links with no wall at all."""
     open_chance = rng.uniform(settings.open_chance_min, settings.open_chance_max)
@@ -210,7 +212,7 @@ def _join(
     return gaps, merged
 
 
-def _gap(link: Link, open_chance: float, settings: Home, rng: np.random.Generator) -> Gap:
+def _gap(link: Link, open_chance: float, settings: Dwelling, rng: np.random.Generator) -> Gap:
     """Return a door somewhere in a wall, or a wider opening if there is room for one."""
     if isinstance(link.wall, SlantingGap):
         return link.wall
@@ -227,7 +229,7 @@ def _gap(link: Link, open_chance: float, settings: Home, rng: np.random.Generato
 
 
 def _left_out(
-    gaps: list[tuple[tuple[int, int], Gap]], merged: list[Link], settings: Home, rng: np.random.Generator
+    gaps: list[tuple[tuple[int, int], Gap]], merged: list[Link], settings: Dwelling, rng: np.random.Generator
 ) -> set[int]:
     """Return a room with a single door that was not visited, in some homes."""
     uses = [room for rooms, _ in gaps for room in rooms] + [room for link in merged for room in link.rooms * 2]

@@ -14,7 +14,7 @@ import scipy
 from numpy.typing import NDArray
 
 from vdoor.synth.canvas import AXES, FINE_M, HAIR_M, Axis, Canvas, Placed, Rect, fine, square_to
-from vdoor.synth.settings import Home, Office, chance
+from vdoor.synth.settings import Dwelling, Office, chance
 
 
 @dataclass(frozen=True)
@@ -131,7 +131,7 @@ def drawn(layout: Layout) -> Drawn:
     return Drawn(layout, floor, Canvas(floor.rooms.copy()), tuple(opened), tuple(shut))
 
 
-def laid_on_map(canvas: Canvas, settings: Home | Office, margin_m: float, rng: np.random.Generator) -> Placed:
+def laid_on_map(canvas: Canvas, settings: Dwelling | Office, margin_m: float, rng: np.random.Generator) -> Placed:
     """Return a canvas on the map's cells: straight, or turned by up to 6 degrees, two in five of those up to 45."""
     most = 45.0 if chance(0.4, rng) else 6.0
     turned = rng.uniform(-most, most) if chance(settings.rotated_chance, rng) else 0.0

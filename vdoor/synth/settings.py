@@ -2,24 +2,14 @@
 
 from __future__ import annotations
 
-import dataclasses
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass
-from types import MappingProxyType
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vdoor.config import check_range
 from vdoor.errors import SettingError
+from vdoor.synth.bounds import APARTMENT_BOUNDS, HOME_BOUNDS, OFFICE_BOUNDS, check, check_order
 from vdoor.synth.canvas import FINE_M, LATTICE_M, lattice_range
-
-if TYPE_CHECKING:
-    from _typeshed import DataclassInstance
-
-Bounds = Mapping[str, tuple[float, float]]
-"""Least and most of settings, by name; `wall_m` is short for `wall_min_m` and `wall_max_m`."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -77,7 +67,7 @@ class Apartment:
 
     def __post_init__(self) -> None:
         """Check every value against what can be drawn."""
-        _check(self, APARTMENT_BOUNDS)
+        check(self, APARTMENT_BOUNDS)
         for name in ("wall", "door", "corridor"):
             low, high = getattr(self, f"{name}_min_m"), getattr(self, f"{name}_max_m")
             if not lattice_range(low, high):
@@ -94,11 +84,8 @@ class Apartment:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Home:
-    """Settings of one home; what comes as `_min` and `_max` is drawn in between.
-
-    Raises `SettingError` for values that no home can have.
-    """
+class Dwelling:
+    """What all homes have: a plan, what stands in it, how it lies; what comes as `_min` and `_max` is drawn between."""
 
     area_min_m2: float = 16.0
     """Between the outer walls; drawn evenly on a logarithmic scale."""
@@ -152,6 +139,25 @@ class Home:
     """Left free before both sides of a door by small things."""
     shafts: float = 0.5
     """Mean number of chimneys and shafts in the corners of rooms."""
+    left_out_chance: float = 0.2
+    """Chance of a home in which a room was not visited."""
+    rotated_chance: float = 0.35
+    """Chance of a home that does not lie straight: by up to 6 degrees, two in five of them by up to 45."""
+    cell_m: float = 0.05
+
+    def __post_init__(self) -> None:
+        """Check every value against what can be drawn."""
+        check(self, HOME_BOUNDS)
+        check_order(self)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Home(Dwelling):
+    """Settings of one home as a robot vacuum maps it.
+
+    Raises `SettingError` for values that no home can have.
+    """
+
     windows: float = 0.7
     """Mean number of windows through which scan rays leave."""
     holes_chance: float = 0.5
@@ -179,16 +185,42 @@ class Home:
     """Gaps in dashed walls have one to three cells, and not more than this unless a cell is larger."""
     antialiased_chance: float = 0.05
     """Chance of a home whose walls, all or some, have grey edges, which are unknown, around an occupied core."""
-    left_out_chance: float = 0.2
-    """Chance of a home in which a room was not visited."""
-    rotated_chance: float = 0.35
-    """Chance of a home that does not lie straight: by up to 6 degrees, two in five of them by up to 45."""
-    cell_m: float = 0.05
 
-    def __post_init__(self) -> None:
-        """Check every value against what can be drawn."""
-        _check(self, HOME_BOUNDS)
-        _check_order(self)
+
+@dataclass(frozen=True, kw_only=True)
+class LaserHome(Dwelling):
+    """Settings of one home as a robot with a laser scanner maps it by SLAM.
+
+    Raises `SettingError` for values that no home can have.
+    """
+
+    area_min_m2: float = 24.0
+    area_max_m2: float = 150.0
+    clutter_min_per_m2: float = 0.3
+    clutter_max_per_m2: float = 2.0
+    rotated_chance: float = 0.9
+    scans_min_per_m2: float = 0.4
+    """Places that the robot scans from: drawn per home, from here to `scans_max_per_m2`."""
+    scans_max_per_m2: float = 1.2
+    rays: int = 360
+    """Of one scan."""
+    range_min_m: float = 3.5
+    """As far as the scanner sees: drawn per home, on a logarithmic scale, from here to `range_max_m`."""
+    range_max_m: float = 12.0
+    noise_max_m: float = 0.04
+    """Standard deviation of a range: drawn per home from 0 to this."""
+    drift_max_m: float = 0.08
+    """Standard deviation of a room's place: drawn per home from 0 to this. Walls seen from two rooms are double."""
+    drift_max_deg: float = 0.8
+    hit_share_min: float = 0.05
+    """A cell is occupied if this share of the rays that reach it end in it: drawn per home, up to `hit_share_max`."""
+    hit_share_max: float = 0.25
+    glass: float = 1.2
+    """Mean number of windows down to the floor: most rays go through, and some of those come back from outside."""
+    people: float = 0.7
+    """Mean number of walks past the scanner."""
+    unvisited_chance: float = 0.25
+    """Chance of a home with a room that is seen through its doors only."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -266,33 +298,8 @@ class Office:
 
     def __post_init__(self) -> None:
         """Check every value against what can be drawn."""
-        _check(self, OFFICE_BOUNDS)
-        _check_order(self)
-
-
-def _check(settings: DataclassInstance, bounds: Bounds) -> None:
-    """Raise `SettingError` unless every value lies within its bounds, both included."""
-    for field in dataclasses.fields(settings):
-        value, (low, high) = getattr(settings, field.name), _bounds(field.name, bounds)
-        check_range(value, low, high, f"{type(settings).__name__}.{field.name}")
-
-
-def _bounds(name: str, bounds: Bounds) -> tuple[float, float]:
-    """Return least and most of a setting; 0 to 1 for chances and 0 to 1e4 for others that have no bounds."""
-    for key in (name, name.replace("_min", "").replace("_max", "")):
-        if key in bounds:
-            return bounds[key]
-    return CHANCE if "_chance" in name else (0.0, 1e4)
-
-
-def _check_order(settings: DataclassInstance) -> None:
-    """Raise `SettingError` if a setting that ends in `_max` is less than the one that ends in `_min`."""
-    values = {field.name: getattr(settings, field.name) for field in dataclasses.fields(settings)}
-    for low in (name for name in values if "_min" in name):
-        high = low.replace("_min", "_max")
-        if values[low] > values.get(high, math.inf):
-            place = f"{type(settings).__name__}.{high}"
-            raise SettingError(f"{place}: wanted at least {low} = {values[low]:g}, found {values[high]:g}")
+        check(self, OFFICE_BOUNDS)
+        check_order(self)
 
 
 def chance(share: float, rng: np.random.Generator) -> bool:
@@ -303,73 +310,3 @@ def chance(share: float, rng: np.random.Generator) -> bool:
 def log_uniform(low: float, high: float, rng: np.random.Generator) -> float:
     """Draw a value between the two, evenly on a logarithmic scale."""
     return math.exp(rng.uniform(math.log(low), math.log(high)))
-
-
-CHANCE = (0.0, 1.0)
-APARTMENT_BOUNDS: Bounds = MappingProxyType(
-    {
-        "area_m2": (4.0, 2000.0),
-        "aspect_max": (1.0, 4.0),
-        "rooms": (1, 200),
-        "rooms_spread": (0, 100),
-        "room_side_min_m": (1.6, 10.0),  # a shared wall must hold the widest door and two jambs
-        "corridor_m": (0.95, 3.0),
-        "wall_m": (0.1, 0.4),  # thinner walls would leak when they are turned
-        "door_m": (0.7, 1.2),  # narrower doors may vanish at 20 cm
-        "jamb_m": (0.1, 1.0),
-        "wall_pieces_per_m2": CHANCE,
-        "free_pieces_per_m2": CHANCE,
-        "aisle_m": (0.5, 4.0),
-        "door_clear_m": (0.7, 2.0),
-        "juts_per_room": (0.0, 20.0),
-        "wall_noise": (0.0, 0.5),
-        "windows": (0.0, 20.0),
-        "speckles": (0.0, 1000.0),
-        "rotation_deg": (-360.0, 360.0),
-        "margin_m": (0.4, 10.0),
-        "cell_m": (FINE_M, 0.2),
-    }
-)
-HOMES_AND_OFFICES: Bounds = MappingProxyType(
-    {
-        "unsure_from_m": (1.2, 10.0),
-        "rough_max": (0.0, 0.5),
-        "hollow_wall_m": (0.15, 0.6),
-        "dash_gap_max_m": (0.0, 0.3),
-    }
-)
-HOME_BOUNDS: Bounds = MappingProxyType(
-    {
-        "area_m2": (8.0, 1000.0),
-        "aspect_max": (1.0, 4.0),
-        "room_m2": (4.0, 200.0),
-        "room_side_min_m": (1.0, 5.0),
-        "corridor_m": (0.8, 3.0),
-        "wall_m": (0.075, 0.6),  # thinner walls would leak when they are turned
-        "door_m": (0.5, 1.2),
-        "wall_pieces_per_m2": CHANCE,
-        "free_pieces_per_m2": CHANCE,
-        "clutter_per_m2": (0.001, 3.0),
-        "wall_piece_clear_m": (0.0, 2.0),
-        "clutter_clear_m": (0.0, 2.0),
-        "shafts": (0.0, 20.0),
-        "windows": (0.0, 20.0),
-        "specks": (0.0, 100.0),
-        "unknown_max": (0.0, 0.9),
-        "cell_m": (0.025, 0.05),  # walls are drawn for cells no larger
-        **HOMES_AND_OFFICES,
-    }
-)
-OFFICE_BOUNDS: Bounds = MappingProxyType(
-    {
-        "length_m": (8.0, 200.0),
-        "corridors_max": (1, 12),
-        "corridor_m": (1.0, 8.0),
-        "room_depth_m": (2.0, 20.0),
-        "room_width_m": (1.8, 20.0),
-        "wall_m": (0.1, 0.6),
-        "door_m": (0.7, 1.3),
-        "cell_m": (0.025, 0.1),
-        **HOMES_AND_OFFICES,
-    }
-)

@@ -22,7 +22,7 @@ from vdoor.grid import UNKNOWN, OccupancyGrid
 from vdoor.partial import write_whole
 from vdoor.synth.canvas import Cells, Placed, Rooms
 from vdoor.synth.layout import Gap, Opened
-from vdoor.synth.settings import Apartment, Home, Office
+from vdoor.synth.settings import Apartment, Dwelling, Office
 
 GREY_OCCUPIED, GREY_UNKNOWN, GREY_FREE = 0, 205, 254
 OCCUPIED_THRESH, FREE_THRESH = 0.65, 0.196
@@ -54,10 +54,10 @@ class SyntheticMap:
     rooms: Rooms
     """Room of each free cell (h, w), from 1; 0 where not free, free but out of reach of the rooms, or within a wall."""
     doors: tuple[TrueDoor, ...]
-    settings: Apartment | Home | Office
+    settings: Apartment | Dwelling | Office
 
 
-def with_truth(cells: Cells, placed: Placed, opened: Sequence[Opened], settings: Home | Office) -> SyntheticMap:
+def with_truth(cells: Cells, placed: Placed, opened: Sequence[Opened], settings: Dwelling | Office) -> SyntheticMap:
     """Return the map cut to what is known, rooms numbered anew from 1, and doors where two of them touch."""
     rooms = in_reach(placed.rooms, placed.rooms > 0)
     doors = [door for door in opened if _touch(rooms, door, placed)]

@@ -22,7 +22,7 @@ from vdoor.method.scoring.score import ScoreDoors, corners_per_m
 from vdoor.method.scoring.segments import Segments
 from vdoor.method.scoring.space_features import room_around
 from vdoor.pipeline import Pipeline
-from vdoor.synth import Home, Office, SyntheticMap, synthesize
+from vdoor.synth import Home, LaserHome, Office, SyntheticMap, synthesize
 
 Floats = NDArray[np.float64]
 
@@ -108,23 +108,23 @@ def _given(training_map: TrainingMap) -> TrainingMap:
     return training_map
 
 
-def synthetic_maps(homes: int, offices: int, seed: int) -> list[Draw]:
-    """Draws of `homes` synthetic homes and `offices` office floors; equal seeds give equal maps."""
-    numbers = [(0, index) for index in range(homes)] + [(1, index) for index in range(offices)]
+def synthetic_maps(homes: int, offices: int, seed: int, laser_homes: int = 0) -> list[Draw]:
+    """Draws of synthetic homes, office floors and homes mapped by laser; equal seeds give equal maps."""
+    numbers = [(number, index) for number, count in enumerate((homes, offices, laser_homes)) for index in range(count)]
     return [partial(drawn_map, number, index, seed) for number, index in numbers]
 
 
 def drawn_map(number: int, index: int, seed: int) -> TrainingMap:
-    """The index-th synthetic home (0) or floor (1)."""
+    """The index-th synthetic home (0), floor (1) or home mapped by laser (2)."""
     made = synthesize(drawn_kind(number, index), np.random.default_rng([seed, number, index]))
     return TrainingMap(made.grid, real_doors(made))
 
 
-def drawn_kind(number: int, index: int) -> Home | Office:
-    """Settings of the index-th home (0) or floor (1): one floor in four has coarse cells."""
-    if number == 0:
-        return Home()
-    return Office(cell_m=0.1) if index % COARSE_EVERY == 0 else Office()
+def drawn_kind(number: int, index: int) -> Home | LaserHome | Office:
+    """Settings of the index-th home (0), floor (1) or home mapped by laser (2): one floor in four has coarse cells."""
+    if number == 1:
+        return Office(cell_m=0.1) if index % COARSE_EVERY == 0 else Office()
+    return LaserHome() if number else Home()
 
 
 def examples(training_map: TrainingMap, pipeline: Pipeline, first_pass: Curves | None = None) -> Examples:

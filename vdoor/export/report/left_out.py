@@ -13,7 +13,7 @@ from vdoor.grid import OccupancyGrid
 from vdoor.history.provenance import Provenance
 from vdoor.history.records import RunRecords
 from vdoor.method.simplify import REASONS, SimplifiedGrid
-from vdoor.raster.morphology import components_of
+from vdoor.raster.runs import parts_of_mask
 from vdoor.topology import TopologicalMap
 from vdoor.viz.rerun import style
 
@@ -89,11 +89,14 @@ def _places(lost: NDArray[np.bool_], provenance: Provenance, area_m2: float) -> 
     codes = _reasons(provenance.run, lost)
     least_m2 = _least_part_m2(provenance)
     for code in np.unique(codes[lost]).tolist():
-        found = components_of(lost & (codes == code), 2)
+        found = parts_of_mask(lost & (codes == code), 2)
+        cells, boxes = found.cells(found.most), found.boxes(found.most)
         word = "" if code < 0 else REASONS[code]
-        for number in np.flatnonzero(found.cells * area_m2 >= LEAST_M2).tolist():
-            size = int(found.cells[number])
-            middle = _middle(found.label, number, found.box(number))
+        for number in np.flatnonzero(cells * area_m2 >= LEAST_M2).tolist():
+            size = int(cells[number])
+            top, left, bottom, right = boxes[number].tolist()
+            box = slice(top, bottom), slice(left, right)
+            middle = _middle(found.inside(box).image() == number + 1, box)
             yield Place(size, middle, _why(word, size * area_m2, least_m2))
 
 
@@ -105,8 +108,8 @@ def _reasons(run: RunRecords, lost: NDArray[np.bool_]) -> NDArray[np.int16]:
     return run.simplified.reason[np.ix_(rows, cols)].astype(np.int16)
 
 
-def _middle(labels: NDArray[np.integer], number: int, box: tuple[slice, ...]) -> tuple[float, float]:
-    cells = np.argwhere(labels[box] == number)
+def _middle(own: NDArray[np.bool_], box: tuple[slice, ...]) -> tuple[float, float]:
+    cells = np.argwhere(own)
     nearest = cells[np.argmin(((cells - cells.mean(axis=0)) ** 2).sum(axis=1))]
     return float(nearest[0] + box[0].start), float(nearest[1] + box[1].start)
 

@@ -39,7 +39,7 @@ def closed_features(
     number[rows[sure]] = np.arange(len(sure))
     on = number[doors.line_door] >= 0
     cell, owner = doors.line_cell[on], number[doors.line_door[on]]
-    closed = np.full(free.shape, NONE, np.int32)
+    closed = np.full(free.shape, NONE, np.min_scalar_type(-len(sure) - 1))
     np.maximum.at(closed, (cell[:, 0], cell[:, 1]), owner)
     thicken(closed, cell)
     own = np.full(len(rows), OPEN, np.int32)
@@ -51,13 +51,13 @@ def closed_features(
     return np.stack([found[name] for name in (*BESIDE, *CLEARANCE)], axis=1)
 
 
-def thicken(closed: NDArray[np.int32], cell: NDArray[np.int32]) -> None:
+def thicken(closed: NDArray[np.signedinteger], cell: NDArray[np.int32]) -> None:
     """Give open cells beside those of closed doors (k, 2) the greatest number of these, in place.
 
     Otherwise a ray could pass between cells that touch only at their corners.
     """
     own = closed[cell[:, 0], cell[:, 1]]
-    edge: list[tuple[NDArray[np.int32], ...]] = []
+    edge: list[tuple[NDArray[np.signedinteger], ...]] = []
     for down, right in ((0, 1), (1, 0), (0, -1), (-1, 0)):
         row, col = cell.T + np.array([[down], [right]], np.int32)
         inside = (row >= 0) & (col >= 0) & (row < closed.shape[0]) & (col < closed.shape[1])
@@ -71,7 +71,7 @@ def thicken(closed: NDArray[np.int32], cell: NDArray[np.int32]) -> None:
 class ClosedSpace(Padded):
     """Free space with numbered doors closed, except for each ray (k,) the door in its own opening."""
 
-    def __init__(self, free: Mask, closed: NDArray[np.int32], own: NDArray[np.int32]) -> None:
+    def __init__(self, free: Mask, closed: NDArray[np.signedinteger], own: NDArray[np.int32]) -> None:
         super().__init__(free, False)
         self._closed = Padded(closed, NONE)
         self._own = own

@@ -53,14 +53,17 @@ def room_around(free: Mask) -> Padded:
     """The distance in cells of each free cell from the nearest one that is not free, or from outside the map."""
     distance = distances(np.pad(free, 1))
     if distance.max(initial=0) <= EXACT_CELLS:
-        return Distances(distance[1:-1, 1:-1], 0.0)
+        return Distances(distance)
     from scipy import ndimage  # noqa: PLC0415  # for halls over 4000 cells wide
 
     return Padded(ndimage.distance_transform_edt(np.pad(free, 1))[1:-1, 1:-1], 0.0)
 
 
 class Distances(Padded):
-    """Distances in cells, stored in 32 bits and read to the last of 64."""
+    """Distances in cells, stored in 32 bits and read to the last of 64; the raster has a margin of one cell of 0."""
+
+    def __init__(self, distance: NDArray[np.float32]) -> None:
+        self._hold(distance)
 
     def at(self, row: NDArray[np.floating], col: NDArray[np.floating]) -> NDArray[np.generic]:
         """The distances at points, 0 outside the raster."""

@@ -141,8 +141,6 @@ def gain_of_many(problem: MergeProblem, doors: Index, most_nodes: int) -> float:
     If the solver does not finish, its bound would depend on the order of branching, and so on the last bits of the
     input. The optimum of the linear relaxation, in which doors may be kept fractionally, does not.
     """
-    from scipy.optimize import Bounds, LinearConstraint, milp  # noqa: PLC0415  # likewise slow to load
-
     gain = np.zeros(problem.edges)
     gain[doors] = problem.most_gain[doors]
     wanted = gain > 0
@@ -151,6 +149,8 @@ def gain_of_many(problem: MergeProblem, doors: Index, most_nodes: int) -> float:
     pairs = pairs[:, gain[pairs].min(axis=0) <= problem.cost.conflict_weight]
     if not pairs.shape[1]:
         return float(gain.sum())
+    from scipy.optimize import Bounds, LinearConstraint, milp  # noqa: PLC0415  # slow to load, and often not needed
+
     row = np.tile(np.arange(pairs.shape[1]), 2)
     matrix = scipy.sparse.coo_array((np.ones(len(row)), (row, pairs.ravel())), shape=(pairs.shape[1], problem.edges))
     for whole in (1, 0):

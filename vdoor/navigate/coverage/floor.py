@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from vdoor.navigate.coverage.path import norms
 from vdoor.navigate.space import Space, grown
 from vdoor.raster.polygons import polygons
+from vdoor.raster.runs import runs_of
 
 Mask = NDArray[np.bool_]
 Ints = NDArray[np.int32]
@@ -105,7 +106,7 @@ def outlines(cells: Mask) -> list[shapely.Polygon]:
     label, count = scipy.ndimage.label(cells)
     if not count:
         return []
-    vertex, owner, ring = polygons(label.astype(np.int32))
+    vertex, owner, ring = polygons(runs_of(label))
     ends = np.flatnonzero((np.diff(owner) != 0) | (np.diff(ring) != 0)) + 1
     rings = np.split(vertex - 0.5, ends)
     outer = np.flatnonzero(ring[np.append(0, ends)] == 0)
