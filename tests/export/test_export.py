@@ -370,7 +370,7 @@ def test_any_map_comes_out_and_reads_back(cells: Cells) -> None:
     for told, room in zip(features(topology, "room"), topology.rooms, strict=True):
         polygon = shapely.geometry.shape(told["geometry"])
         assert polygon.is_valid
-        assert polygon.area == pytest.approx(room.area_m2)
+        assert polygon.area == pytest.approx(room.area_m2, abs=0.0005 * polygon.length + 1e-9)
     for told in features(topology, "door"):
         assert shapely.geometry.shape(told["geometry"]).is_valid
     assert len(walls(topology)) == len(topology.doors)

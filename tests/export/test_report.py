@@ -220,6 +220,11 @@ def test_a_spoilt_map_json_is_refused_by_its_folder(key: str, value: object, tmp
 def test_a_map_of_another_size_is_refused(tmp_path: Path) -> None:
     folder = finished_maps.result("one room", tmp_path / "result")
     Image.fromarray(np.zeros((3, 4), np.uint8)).save(folder / "grid.png")
+    with pytest.raises(VdoorError, match=f"found another: {folder}$"):
+        read_finished(folder, provenance=True)
+    document = json.loads((folder / "map.json").read_text())
+    del document["files"]  # as written by a version without checksums
+    (folder / "map.json").write_text(json.dumps(document))
     with pytest.raises(VdoorError, match=f"found 4 x 3: {folder}$"):
         read_finished(folder, provenance=True)
     (folder / "grid.png").unlink()

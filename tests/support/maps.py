@@ -25,7 +25,7 @@ from vdoor.pipeline import Pipeline
 Cells = NDArray[np.int8]
 CELL_M = 0.2
 STATES = {".": FREE, "#": OCCUPIED, "?": UNKNOWN}
-law = settings(max_examples=40, deadline=None, derandomize=True)
+law = settings(max_examples=60, deadline=None, derandomize=True)
 long_law = settings(law, max_examples=200)
 
 
