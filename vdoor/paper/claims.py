@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 from vdoor.engines import Over
@@ -18,11 +18,14 @@ from vdoor.paper.door_counts import (
 )
 from vdoor.paper.errata import Erratum, Unprinted, errata, unprinted
 from vdoor.paper.figures import Operation, OperatorRates, SubCaseResult, crossover, measured_rates, mutation, sub_cases
+from vdoor.paper.motion import Motion, Sweep, study_motion
 from vdoor.paper.search import SearchStudy, study_search
 from vdoor.paper.walkthrough import Progress, WalkThrough, figure_5_run, no_progress, walk_through
 
 LEAST_FOUND, LEAST_ACCURACY = 0.98, 0.95
 LEAST_HITS = 0.9
+MOST_LONGER = 1.015
+"""Length of a path over rooms and doors, over that of the shortest on the grid."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -52,6 +55,7 @@ class Evidence:
     """Empty and furnished."""
     studies: tuple[ApartmentStudy, ApartmentStudy]
     """Empty and furnished."""
+    motion: tuple[Motion, ...]
     errata: tuple[Erratum, ...]
     unprinted: tuple[Unprinted, ...]
 
@@ -71,6 +75,7 @@ def gather_evidence(size: Size, progress: Progress = no_progress, over: Over = m
             study_apartments(size.apartments, seed=size.seed, progress=progress, over=over),
             study_apartments(size.apartments, furniture=True, seed=size.seed, progress=progress, over=over),
         ),
+        motion=study_motion(),
         errata=errata(run),
         unprinted=unprinted(),
     )
@@ -98,6 +103,7 @@ def claims(evidence: Evidence) -> tuple[Claim, ...]:
         ),
         _of_environments_together(evidence.table_1[1]),
         *(claim for study in evidence.studies for claim in _of_apartments(study)),
+        *_of_motion(evidence.motion),
     )
 
 
@@ -175,3 +181,26 @@ def _of_apartments(study: ApartmentStudy) -> Iterator[Claim]:
         found=f"{accuracy:.3f}",
         holds=accuracy >= LEAST_ACCURACY and (accuracy > best or accuracy == best == 1),
     )
+
+
+def _of_motion(motion: Sequence[Motion]) -> Iterator[Claim]:
+    worst = max(one.longer_worst for one in motion)
+    by_room, at_once = (
+        sum(sweep.room_changes for sweep in sweeps) for sweeps in zip(*map(_sweeps, motion), strict=True)
+    )
+    yield Claim(
+        what="I: paths over rooms and doors, over the shortest on the whole grid",
+        wanted=f"at most {MOST_LONGER:g}",
+        found=f"{worst:.4f}",
+        holds=worst <= MOST_LONGER,
+    )
+    yield Claim(
+        what="I: covering room by room goes from room to room less often than covering all at once",
+        wanted=f"below {at_once}",
+        found=f"{by_room}",
+        holds=by_room < at_once,
+    )
+
+
+def _sweeps(motion: Motion) -> tuple[Sweep, Sweep]:
+    return motion.by_room, motion.at_once

@@ -159,7 +159,7 @@ def virtual_doors_m(found: TopologicalMap) -> Lines:
 
 def count_doors(made: SyntheticMap, method: Any, *, seed: int = 0) -> DoorCount:
     """Doors of one map by one method, which removes small islands where the map is furnished."""
-    return detect_doors(made, _for_map(made, method), seed=seed).count
+    return detect_doors(made, for_map(made, method), seed=seed).count
 
 
 def count_by_method(made: SyntheticMap, *, seed: int = 0) -> dict[str, DoorCount]:
@@ -169,11 +169,12 @@ def count_by_method(made: SyntheticMap, *, seed: int = 0) -> dict[str, DoorCount
 
 def methods_for(made: SyntheticMap) -> dict[str, Any]:
     """Every method as it runs on a map, by name; on a furnished one also the proposed method `ISLANDS_KEPT`."""
-    found = {name: _for_map(made, method) for name, method in METHODS.items()}
+    found = {name: for_map(made, method) for name, method in METHODS.items()}
     return found | ({ISLANDS_KEPT: METHODS[PROPOSED]} if _is_furnished(made) else {})
 
 
-def _for_map(made: SyntheticMap, method: Any) -> Any:
+def for_map(made: SyntheticMap, method: Any) -> Any:
+    """A method as it runs on a map: small islands are removed where the map is furnished."""
     simplify = dataclasses.replace(method.simplify, max_island_m=ISLANDS_UP_TO_M if _is_furnished(made) else 0.0)
     return dataclasses.replace(method, simplify=simplify)
 
