@@ -34,6 +34,9 @@ LEAST_AREA, LEAST_BY_LEAVE = 0.15, 7.5
 """A smaller uncovered place gets no lane, in squares of the tool's width; less if less may stay uncovered: so many
 times that share."""
 
+NARROW = 0.55
+"""From this share of the floor beside walls on the whole trade counts, and less in more open floor: what is left there
+is no sliver between legs that takes a detour."""
 SMALL_ISLAND = 6.0
 """What stands free is swept all around if the way around it is at most so long, in widths of the tool."""
 
@@ -92,12 +95,17 @@ def cover(task: Task) -> Covered:
         tool=tool,
         wanted=wanted,
         kept=site.thresholds | _beside_small_islands(tool, floor),
-        trade=task.trade,
+        trade=task.trade * min(1.0, _beside_walls(floor, tool) / NARROW),
         bend=task.bend,
         leave=task.leave,
     )
     path = polish(_driven(site, parts, tour))
     return Covered(path, [parts[visit.part].room for visit in tour.visits], wanted, tool)
+
+
+def _beside_walls(floor: shapely.MultiPolygon, tool: Tool) -> float:
+    """About the share of a floor within the tool's width of its border; over 1 where passages are narrower."""
+    return float(floor.length / floor.area * 2 * tool.reach) if floor.area > 0 else 1.0
 
 
 def _fine(space: Space) -> int:
