@@ -16,6 +16,10 @@ from vdoor.errors import VdoorError
 
 QUIET = ("--no-dashboard", "--dashboard-address", "127.0.0.1:0", "--host", "127.0.0.1")
 """Without a dashboard there is a small server for status all the same, which would listen on all addresses."""
+SETTINGS = {
+    "DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES": "1",
+    "DASK_DISTRIBUTED__WORKER__PROFILE__ENABLED": "False",  # it stops each worker a hundred times a second
+}
 WAIT_S = 60.0
 
 
@@ -34,9 +38,8 @@ def loopback_cluster(folder: Path, workers: int = 2) -> Iterator[Cluster]:
 
     def start(part: str, *words: str | Path) -> subprocess.Popen[bytes]:
         command = [sys.executable, "-m", f"distributed.cli.dask_{part}", *map(str, words), *QUIET]
-        environment = os.environ | {"DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES": "1"}
         with (folder / f"{part}{len(started)}.log").open("wb") as log:
-            started.append(subprocess.Popen(command, stdout=log, stderr=log, env=environment))  # noqa: S603
+            started.append(subprocess.Popen(command, stdout=log, stderr=log, env=os.environ | SETTINGS))  # noqa: S603
         return started[-1]
 
     try:

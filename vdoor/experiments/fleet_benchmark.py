@@ -119,12 +119,13 @@ class Killed:
     kills: int
     whole: int
     """How often all maps were done, none twice in the table, and all results equal to those undisturbed."""
-    again: int = 0
-    """Maps that were finished before a kill and done again."""
+    again: int | None = None
+    """Maps that were finished before a kill and done again; None if that was not counted."""
 
     def to_text(self) -> str:
         """One line."""
-        return f"{self.name:44s} {self.whole} of {self.kills} whole, {self.again} finished maps done again"
+        again = "" if self.again is None else f", {self.again} finished maps done again"
+        return f"{self.name:44s} {self.whole} of {self.kills} whole{again}"
 
 
 def kills(items: Sequence[Item], folder: Path, count: int) -> Iterator[Killed]:
