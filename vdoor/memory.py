@@ -7,8 +7,8 @@ from pathlib import Path
 from vdoor.errors import MapError
 
 INPUT_BYTES, WORKING_BYTES = 15, 10
-"""Peak memory per cell of the input and of the working grid: 20 and 13 in all, measured by `vdoor bench` on maps of a
-hundred million cells with `default` and of four with `paper`, and a quarter more."""
+"""Bytes per cell of the input and of the working grid that a run needs at its peak. Measured: 20 in all with `default`
+(a hundred million cells), 13 with `paper` (four million); these are about a quarter more."""
 MB = 1_000_000
 
 

@@ -34,7 +34,7 @@ def database(path: Path, *statements: str) -> Path:
 
 def test_text_that_is_none_in_a_database_is_damage(tmp_path: Path) -> None:
     insert = "INSERT INTO topics VALUES (1, CAST(x'6df161' AS TEXT), 'nav_msgs/msg/OccupancyGrid', 'cdr')"
-    with pytest.raises(MapError, match="found text that is no UTF-8"):
+    with pytest.raises(MapError, match="found text that is not UTF-8"):
         read_map(database(tmp_path / "a.db3", TOPICS, insert))
 
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from project import HOME
 
 import vdoor
-from vdoor.method.straight_doors import Ends, _parts, _straighter
+from vdoor.method.straight_doors import Ends, _moved, _straighter
 from vdoor.pipeline import PRESETS, Pipeline
 from vdoor.synth import Home, synthesize
 from vdoor.topology import TopologicalMap
@@ -72,7 +72,7 @@ def test_the_rooms_follow_the_line() -> None:
     room = np.where(FREE, np.where(np.arange(12) < 6, 1, 2), 0).astype(np.int32)
     room[[3, 4, 5], [6, 6, 5]] = 0
     new = Ends(np.array([2, 6], np.int32), np.array([6, 6], np.int32))
-    assert _parts(FREE, room, (1, 2), ASKEW, new)
+    assert _moved(FREE, room, (1, 2), ASKEW, new)
     assert room[4].tolist() == [0, 1, 1, 1, 1, 1, 0, 2, 2, 2, 2, 0]
     assert room[5].tolist() == [0, 1, 1, 1, 1, 1, 0, 2, 2, 2, 2, 0]
 
@@ -81,7 +81,7 @@ def test_a_line_that_parts_nothing_is_refused_and_changes_nothing() -> None:
     room = np.where(FREE, np.where(np.arange(12) < 6, 1, 2), 0).astype(np.int32)
     before = room.copy()
     across = Ends(np.array([2, 6], np.int32), np.array([2, 8], np.int32))
-    assert not _parts(FREE, room, (1, 2), ASKEW, across)
+    assert not _moved(FREE, room, (1, 2), ASKEW, across)
     assert (room == before).all()
 
 

@@ -216,5 +216,5 @@ def at_hand(place: str, home: Path, *, beside: Iterable[str] = ()) -> Iterator[P
 def _needed(path: Path) -> Iterable[str]:
     """Names of further files that a map's file refers to, below its own folder."""
     reader = next((reader for reader in READERS if path.suffix.lower() in reader.suffixes), None)
-    names = reader.needs(read_regular(path, "a map", limit=MOST_BYTES)) if reader else ()
+    names = reader.needs(path.read_bytes()) if reader else ()  # a copy of our own
     return [name for name in names if not posixpath.isabs(name) and ".." not in name.split("/")]

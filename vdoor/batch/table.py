@@ -57,7 +57,7 @@ def _pieces(rows: Iterable[Row]) -> Iterator[list[Row]]:
 
 
 def _storable(text: str) -> str:
-    """A text in which bytes of a file's name that are no UTF-8 are replaced."""
+    """A text in which bytes of a file's name that are not UTF-8 are replaced."""
     return text.encode(errors="surrogateescape").decode(errors="replace")
 
 

@@ -54,7 +54,7 @@ def cover(
         list[str] | None,
         typer.Option(
             metavar="FORMAT=FILE",
-            help="The path as csv, geojson or waypoints; fields or lanes for opennav_coverage; zones; repeatable.",
+            help="The path as csv, geojson or waypoints; fields, lanes: opennav_coverage; zones: Valetudo. Repeatable.",
         ),
     ] = None,
     save: Save = None,

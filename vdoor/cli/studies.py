@@ -162,10 +162,13 @@ def map_statistics(
     import json
 
     from vdoor.experiments import likeness
+    from vdoor.experiments.cases import map_files
 
     if not maps and not kind:
         raise SettingError("map-statistics: wanted maps, found none: neither MAP nor --kind")
-    groups = {"maps": list(_grids(maps, resolution).values())} if maps else {}
+    likeness.check_kinds(kind or ())
+    files = [file for path in maps or () for file in map_files(path)]
+    groups = {"maps": [read_grid(file, quiet=True, resolution_m=resolution) for file in files]} if maps else {}
     found = likeness.measured(groups | {name: likeness.drawn(name, count, seed) for name in kind or ()})
     print(json.dumps(found) if as_json else likeness.to_text(found))
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from vdoor.errors import VdoorError
 from vdoor.evaluate.door_places import Doors, contact_doors
 from vdoor.evaluate.label_files import Labels, read_image, read_labels, read_table, rooms_of
-from vdoor.evaluate.result_files import file_in, refuse_others
+from vdoor.evaluate.result_files import own_file
 from vdoor.formats import READERS, read_map
 from vdoor.frame import Frame
 from vdoor.grid import OccupancyGrid
@@ -71,8 +71,7 @@ def read_division(name: str, path: Path, map_choice: MapChoice) -> Division:
     """
     if is_result(path):
         document = read_table(path / "map.json")
-        refuse_others(path, ["rooms.png"], document)
-        labels = read_labels(file_in(path, "rooms.png", document))
+        labels = read_labels(own_file(path, "rooms.png", document))
         grid, free = _result_map(path, name, map_choice)
     elif map_choice.path is None:
         raise VdoorError(f"--map: wanted the map that a label image belongs to, found none: {path}")
@@ -108,8 +107,7 @@ def _result_map(folder: Path, name: str, choice: MapChoice) -> tuple[OccupancyGr
         raise VdoorError(f"resolution: wanted {requested}, found {resolution_m:g} m: {folder / 'map.json'}")
     if choice.path is not None:
         return MapChoice(path=choice.path, resolution_m=resolution_m, free_from=choice.free_from).read(name)
-    refuse_others(folder, ["grid.png"], document)
-    own = read_map(file_in(folder, "grid.png", document), resolution_m=resolution_m)
+    own = read_map(own_file(folder, "grid.png", document), resolution_m=resolution_m)
     grid = OccupancyGrid.from_array(own.cells, own.frame.resolution_m, source=own.source, **place)
     return grid, grid.free
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -20,11 +20,13 @@ def file_in(folder: Path, name: str, document: Mapping[str, Any]) -> Path:
     return next((place for place in (path, partial_name(path)) if _is_own(place, name, document)), path)
 
 
-def refuse_others(folder: Path, names: Sequence[str], document: Mapping[str, Any]) -> None:
-    """Raise VdoorError if one of a result's files is not the one that map.json was written with."""
-    for name in names:
-        if not _is_own(file_in(folder, name, document), name, document):
-            raise VdoorError(f"{name}: wanted the file that map.json was written with, found another")
+def own_file(folder: Path, name: str, document: Mapping[str, Any]) -> Path:
+    """Where a file of a result is; raises VdoorError if there is none that map.json was written with."""
+    place = file_in(folder, name, document)
+    if not _is_own(place, name, document):
+        found = "another" if place.is_file() else "none"
+        raise VdoorError(f"{name}: wanted the file that map.json was written with, found {found}")
+    return place
 
 
 def _is_own(place: Path, name: str, document: Mapping[str, Any]) -> bool:

@@ -40,7 +40,7 @@ class Report:
     stages_s: Mapping[str, float]
     total_s: float
     reference_s: float
-    """CPU time of a fixed loop on the same map, see `reference_s`: figures of busy or other machines compare by it."""
+    """CPU time of a fixed loop on the same map, by which figures of busy or other machines can be compared."""
     peak_mb: float
     """Peak memory of the process so far."""
     recording_adds: float | None
@@ -75,8 +75,8 @@ def measured(
         start_s = time.process_time()
         topology = ready(grid, np.random.default_rng(0), watch)
         total_s = time.process_time() - start_s
-        loop_s = reference_s(grid)
         peak_mb = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+        loop_s = reference_s(grid)
         adds = (recorded_s(grid, ready, record) - total_s) / total_s if record else None
         yield Report(
             name=name,

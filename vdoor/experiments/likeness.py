@@ -15,6 +15,7 @@ from vdoor.grid import OccupancyGrid
 from vdoor.method.scoring.score import corners_per_m
 from vdoor.pipeline import PRESETS as PRESET_PIPELINES
 from vdoor.pipeline import Pipeline
+from vdoor.raster.morphology import counted, with_neighbours
 from vdoor.raster.runs import runs_of
 from vdoor.synth import PRESETS, synthesize
 
@@ -31,12 +32,13 @@ class Statistics:
 
     free_m2: float
     free_beside_walls: float
-    """Share of the eight neighbours of occupied cells."""
+    """Share of free cells among the eight neighbours of occupied cells."""
     unknown_beside_walls: float
+    """The same of unknown cells; outside the map there are none."""
     wall_cells_thick: float
-    """Median, over occupied cells, of the shorter one of the two runs (along its row and its column) it lies in."""
+    """Median, over occupied cells, of the shorter of the two runs (along row and column) that each lies in."""
     wall_run_m: float
-    """Nine tenths of the occupied cells lie in longer one of the two runs up to this long."""
+    """Nine in ten occupied cells have a longer run of at most this length."""
     islands_per_m2: float
     """Groups of occupied cells of less than 1 m2 with free cells all around."""
     corners_per_m: float
@@ -74,20 +76,25 @@ def _run_cells(occupied: NDArray[np.bool_]) -> NDArray[np.int64]:
 
 def _islands(grid: OccupancyGrid) -> int:
     """The number of groups of occupied cells of less than 1 m2 with free cells all around."""
-    part, count = scipy.ndimage.label(grid.occupied, EIGHT)
+    part, count = counted(grid.occupied, 2)
     area_m2 = np.bincount(part.ravel(), minlength=count + 1) * grid.frame.resolution_m**2
-    ring = scipy.ndimage.grey_dilation(part, size=(3, 3))
-    bounded = np.unique(ring[(ring > 0) & (part == 0) & ~grid.free])
+    unknown = np.pad(~(grid.free | grid.occupied), 1, constant_values=True)
+    bounded = np.unique(part[with_neighbours(unknown)[1:-1, 1:-1]])
     alone = area_m2 < 1
     alone[0] = False
     alone[bounded] = False
     return int(alone.sum())
 
 
+def check_kinds(kinds: Iterable[str]) -> None:
+    """Raise `SettingError` for a kind that `vdoor.synth.PRESETS` does not have."""
+    for kind in kinds:
+        if kind not in PRESETS:
+            raise SettingError(f"--kind: wanted one of {', '.join(PRESETS)}, found {kind!r}")
+
+
 def drawn(kind: str, count: int, seed: int) -> list[OccupancyGrid]:
-    """Synthetic maps of a kind in `vdoor.synth.PRESETS`; `SettingError` for others."""
-    if kind not in PRESETS:
-        raise SettingError(f"--kind: wanted one of {', '.join(PRESETS)}, found {kind!r}")
+    """Synthetic maps of a kind in `vdoor.synth.PRESETS`."""
     return [synthesize(PRESETS[kind], np.random.default_rng([seed, index])).grid for index in range(count)]
 
 

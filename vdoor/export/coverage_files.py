@@ -74,11 +74,15 @@ def to_zones(coverage: Coverage, topology: TopologicalMap) -> str:
 
 
 def rooms_in_order(coverage: Coverage, topology: TopologicalMap) -> list[int]:
-    """The ids of the rooms that are swept, each once, in the order of the path; by id if the map is swept as one."""
+    """The ids of the rooms that are swept, each once, in the order of the path.
+
+    If the map is swept as one, by id, those of which most is: a path also meets floor of rooms that it only crosses.
+    """
     rooms = dict.fromkeys(coverage.visit_room.tolist())
     if 0 in rooms:
-        swept = np.unique(topology.labels[coverage.swept > 0])
-        return [int(room) for room in swept if room and room not in coverage.missed]
+        cells = np.bincount(topology.labels.ravel())
+        swept = np.bincount(topology.labels[coverage.swept > 0], minlength=len(cells))
+        return [room for room in np.flatnonzero(2 * swept > cells).tolist() if room and room not in coverage.missed]
     return list(rooms)
 
 

@@ -76,7 +76,12 @@ def _pillow() -> Iterator[None]:
 @contextmanager
 def _silent_library() -> Iterator[None]:
     """Let what libtiff itself writes to stderr about a damaged file go nowhere; the error says it in one line."""
-    kept, nowhere = os.dup(STDERR), os.open(os.devnull, os.O_WRONLY)
+    try:
+        kept = os.dup(STDERR)
+    except OSError:  # closed: there is nothing to silence
+        yield
+        return
+    nowhere = os.open(os.devnull, os.O_WRONLY)
     os.dup2(nowhere, STDERR)
     try:
         yield

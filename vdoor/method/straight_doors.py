@@ -52,7 +52,7 @@ def set_straight(
         low, window = _window(start[edge], end[edge], reach, free.shape)
         old = Ends(start[edge] - low, end[edge] - low)
         for new in _straighter(free[window], old, reach, wall_rad):
-            if _parts(free[window], labels[window], (rooms[0], rooms[1]), old, new):
+            if _moved(free[window], labels[window], (rooms[0], rooms[1]), old, new):
                 start[edge], end[edge] = new.start + low, new.end + low
                 break
     length_m, width_m, tilt_rad = measures(start, end, initial.frame.resolution_m)
@@ -113,8 +113,8 @@ def _along_wall(free: Mask, cell: Ints, reach: int) -> Ints:
     return (np.argwhere(wall == own) - 1).astype(np.int32) if own else cell[None]
 
 
-def _parts(free: Mask, room: Ints, rooms: tuple[int, int], old: Ends, new: Ends) -> bool:
-    """Whether the new line parts the rooms as the old one did; if so, `room` (h, w) has them so.
+def _moved(free: Mask, room: Ints, rooms: tuple[int, int], old: Ends, new: Ends) -> bool:
+    """Move the border of two rooms in `room` (h, w) to the new line if that parts them as the old one did, and say so.
 
     Both rooms, cut along the new line, fall into pieces, each of which goes to the room that has most of it. Nothing
     may change but between the two lines: no cell at another room or door, and none at the edge of the window.

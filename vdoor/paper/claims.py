@@ -189,13 +189,13 @@ def _of_motion(motion: Sequence[Motion]) -> Iterator[Claim]:
         sum(sweep.room_changes for sweep in sweeps) for sweeps in zip(*map(_sweeps, motion), strict=True)
     )
     yield Claim(
-        what="I: paths over rooms and doors, over the shortest on the whole grid",
+        what="After I: paths over rooms and doors, over the shortest on the whole grid",
         wanted=f"at most {MOST_LONGER:g}",
         found=f"{worst:.4f}",
         holds=worst <= MOST_LONGER,
     )
     yield Claim(
-        what="I: covering room by room goes from room to room less often than covering all at once",
+        what="After I: covering room by room goes from room to room less often than covering all at once",
         wanted=f"below {at_once}",
         found=f"{by_room}",
         holds=by_room < at_once,

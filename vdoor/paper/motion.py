@@ -13,7 +13,7 @@ from vdoor.paper.walkthrough import paper_apartment
 CELL_M = 0.05
 """Of the maps: at 20 cm furniture is too coarse to drive around."""
 STARTS = 20
-"""On each map, with some goals each."""
+"""Places on each map that paths start from, to a few goals each."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -76,7 +76,7 @@ class Runs:
         return np.where((away >= 0) & (away < self.length[run]), self.label[run], 0).astype(np.int32)
 
     def labelled(self, label: NDArray[np.int32]) -> Runs:
-        """The runs with other labels (k,), all positive."""
+        """The runs with other labels (k,); with 0 among them they are good for `image` alone."""
         return Runs(label, self.first, self.length, self.shape)
 
     def chosen(self, wanted: Mask) -> Runs:
@@ -127,7 +127,7 @@ def runs_of(labels: NDArray[np.integer] | Mask) -> Runs:
     flat = labels.reshape(-1)
     starts = np.zeros(flat.size, np.bool_)
     np.not_equal(flat[1:], flat[:-1], out=starts[1:])
-    starts[::width] = True
+    starts[:: max(width, 1)] = True
     first = np.flatnonzero(starts)
     length = np.diff(np.append(first, height * width))
     label = flat[first].astype(np.int32)

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from vdoor.errors import RecordingError, VdoorError
 from vdoor.evaluate.label_files import read_image, read_labels, read_table
-from vdoor.evaluate.result_files import file_in, refuse_others
+from vdoor.evaluate.result_files import file_in, own_file
 from vdoor.formats.source import checked_resolution_m, shown
 from vdoor.frame import Frame
 from vdoor.grid import FREE, OCCUPIED, UNKNOWN, Annotations, OccupancyGrid
@@ -109,7 +109,7 @@ def read_result(folder: Path, *, provenance: bool = False) -> Finished:
         features = [feature for table in document["rooms"] for feature in _features(table)]
         names = {table["id"]: _text(table.get("name", "")) for table in document["rooms"]}
         topology = _assembled(labels, _frame(document, labels.shape), doors, features, names)
-        refuse_others(folder, ["rooms.png"], document)
+        own_file(folder, "rooms.png", document)
         table = document.get("annotations")
         annotations = annotations_in(table, (labels.shape[0], labels.shape[1])) if table else None
         origin = _provenance(folder, document, topology.frame) if provenance else None
@@ -128,8 +128,7 @@ def _provenance(folder: Path, document: Mapping[str, Any], frame: Frame) -> Prov
     files = tuple((str(file["name"]), str(file["sha256"])) for file in document["source"]["files"])
     settings: Mapping[str, Any] = dict(document["settings"])
     provenance = Provenance(facts_of(document["vdoor"], document["preset"], document["seed"]), settings, files)
-    refuse_others(folder, ["grid.png"], document)
-    provenance.run.write(0, _grid(file_in(folder, "grid.png", document), frame))
+    provenance.run.write(0, _grid(own_file(folder, "grid.png", document), frame))
     return provenance
 
 

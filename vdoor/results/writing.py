@@ -83,7 +83,7 @@ def rewritten(folder: Path, topology: TopologicalMap, edits: Sequence[str]) -> l
 
 
 def _json(document: Mapping[str, Any]) -> bytes:
-    """The document as JSON, a line for each field and for each room, door, node and edge.
+    """The document as JSON, a line for each field, room and door.
 
     Raises `ValueError` for numbers that are not finite.
     """

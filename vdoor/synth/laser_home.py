@@ -162,7 +162,7 @@ def _passed_by(scans: int, settings: LaserHome, rng: np.random.Generator) -> lis
         angle, away_m = rng.uniform(0.0, 2 * math.pi), rng.uniform(0.5, 2.5)
         first = int(rng.integers(scans)) if scans else 0
         for k in range(first, min(first + int(rng.integers(2, 7)), scans)):
-            near[k] = (angle + rng.normal(0.0, 0.4), away_m + rng.normal(0.0, 0.3))
+            near[k] = (angle + rng.normal(0.0, 0.4), max(away_m + rng.normal(0.0, 0.3), ROBOT_M))
     return near
 
 
@@ -188,7 +188,7 @@ def _ranges(
 
 
 def _shadowed(angles: Floats, reach_m: Floats, came_back: Mask, person: tuple[float, float]) -> tuple[Floats, Mask]:
-    """Return ranges and what came back with a person in the way."""
+    """Return ranges and what came back with a person in the way; not where a ray would free nothing anyway."""
     turn = (angles - person[0] + math.pi) % (2 * math.pi) - math.pi
     before = (np.abs(turn) < math.atan2(PERSON_M, person[1])) & (reach_m > person[1])
     return np.where(before, person[1], reach_m), came_back | before

@@ -99,7 +99,7 @@ class SqliteBag:
         try:
             yield from self._bag.execute(query, values)
         except UnicodeDecodeError as error:
-            raise MapError(f"bag: wanted an intact SQLite database, found text that is no UTF-8 ({error})") from error
+            raise MapError(f"bag: wanted an intact SQLite database, found text that is not UTF-8 ({error})") from error
 
     def _over(self) -> bool:
         """Whether the query takes more work than the budget allows."""

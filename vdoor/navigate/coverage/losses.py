@@ -1,7 +1,8 @@
 """How much area changes to a path lose, from sums along the rows of the raster, so that no cell is looked at.
 
 What a segment sweeps of a row has no gaps, so what several segments sweep in common has none either. A change loses a
-cell if as many segments sweep it as segments that sweep it go, and none sweeps it that comes.
+cell if as many segments sweep it as segments that sweep it go, and none sweeps it that comes. Cells that a tool wider
+than the robot cannot reach past an obstacle count as swept here; `Polish` counts each change that it takes exactly.
 """
 
 from __future__ import annotations

@@ -33,10 +33,9 @@ LARGEST_CELL_M = 0.03
 LEAST_AREA, LEAST_BY_LEAVE = 0.15, 7.5
 """A smaller uncovered place gets no lane, in squares of the tool's width; less if less may stay uncovered: so many
 times that share."""
-
 NARROW = 0.55
-"""From this share of the floor beside walls on the whole trade counts, and less in more open floor: what is left there
-is no sliver between legs that takes a detour."""
+"""The whole trade counts where at least this share of the floor lies beside walls, and less of it in more open floor:
+what is left uncovered there is no sliver between legs that would take a detour."""
 SMALL_ISLAND = 6.0
 """What stands free is swept all around if the way around it is at most so long, in widths of the tool."""
 

@@ -259,7 +259,7 @@ def _joined(point: Floats, longest: float) -> Changes:
 
 
 def _apart(changes: Changes, gain: Floats) -> Ints:
-    """The changes that gain most and share no segments, best first."""
+    """The changes that gain most and share no points, best first."""
     good = np.flatnonzero(gain > EPSILON)
     good = good[np.argsort(-gain[good], kind="stable")]
     first, last = changes.first[good].tolist(), (changes.first + changes.gone)[good].tolist()

@@ -29,8 +29,8 @@ class Swept(NamedTuple):
     """Flat index into the map."""
 
 
-class Runs(NamedTuple):
-    """Stretches of rows of the raster that segments meet, sorted by segment; those may be empty that end with it."""
+class Stretches(NamedTuple):
+    """Stretches of rows of the raster near segments, sorted by segment; some are empty."""
 
     segment: Ints
     row: Ints
@@ -88,13 +88,13 @@ class Tool:
             seen[doubt] = self._seen(start, end, Swept(found.segment[doubt], found.cell[doubt]))
         return Swept(found.segment[seen], found.cell[seen])
 
-    def runs(self, start: Floats, end: Floats) -> Runs:
+    def runs(self, start: Floats, end: Floats) -> Stretches:
         """The cells of the raster near segments, free or not, given their ends (k, 2) as row, col of the map."""
         segment, row, columns = self._rows(self.on_raster(start), self.on_raster(end))
         width = self.blocked.shape[1]
         first = np.maximum(np.ceil(columns.low - EPSILON), 0).astype(np.intp)
         behind = np.minimum(np.floor(columns.high + EPSILON) + 1, width).astype(np.intp)
-        return Runs(segment, row, row * width + first, row * width + np.maximum(behind, first))
+        return Stretches(segment, row, row * width + first, row * width + np.maximum(behind, first))
 
     def reachable(self, start: Floats, end: Floats) -> Mask:
         """The cells of the raster (h, w) that can be swept from within rings, given their sides (k, 2)."""
