@@ -14,7 +14,7 @@ from typing import Any
 from vdoor.errors import MapError, SettingError, VdoorError
 from vdoor.evaluate.reference import ENDINGS, bare_name
 from vdoor.files import read_regular
-from vdoor.formats import READERS
+from vdoor.formats import READERS, reader_of
 
 MAPS = frozenset(suffix for reader in READERS for suffix in reader.suffixes)
 DESCRIPTIONS = (".yaml", ".yml")
@@ -215,6 +215,6 @@ def at_hand(place: str, home: Path, *, beside: Iterable[str] = ()) -> Iterator[P
 
 def _needed(path: Path) -> Iterable[str]:
     """Names of further files that a map's file refers to, below its own folder."""
-    reader = next((reader for reader in READERS if path.suffix.lower() in reader.suffixes), None)
+    reader = reader_of(path.name)
     names = reader.needs(path.read_bytes()) if reader else ()  # a copy of our own
     return [name for name in names if not posixpath.isabs(name) and ".." not in name.split("/")]

@@ -41,12 +41,11 @@ def synth(
 
     from vdoor.config import commented, parse_assignments, replaced
     from vdoor.files import refuse_existing
-    from vdoor.synth import PRESETS, synthesize, write_synthetic
+    from vdoor.synth import kind_named, synthesize, write_synthetic
 
-    if kind not in PRESETS:
-        raise SettingError(f"--kind: wanted one of {', '.join(PRESETS)}, found {kind!r}")
+    preset = kind_named(kind)
     values = parse_assignments(f"apartment.{text}" for text in set_ or ()).get("apartment", {})
-    settings = replaced(PRESETS[kind], values, "--set")
+    settings = replaced(preset, values, "--set")
     if show:
         print("\n".join(commented(settings)))
         return
@@ -138,10 +137,14 @@ def cover_bench(
 
 def _grids(maps: list[Path], resolution_m: float | None) -> dict[str, OccupancyGrid]:
     """The grids of maps and of those in folders, by file name."""
+    return dict(_named_grids(maps, resolution_m))
+
+
+def _named_grids(maps: list[Path], resolution_m: float | None) -> Iterator[tuple[str, OccupancyGrid]]:
     from vdoor.experiments.cases import map_files
 
-    files = [file for path in maps for file in map_files(path)]
-    return {path.name: read_grid(path, quiet=True, resolution_m=resolution_m) for path in files}
+    for file in (file for path in maps for file in map_files(path)):
+        yield file.name, read_grid(file, quiet=True, resolution_m=resolution_m)
 
 
 def map_statistics(
@@ -162,14 +165,13 @@ def map_statistics(
     import json
 
     from vdoor.experiments import likeness
-    from vdoor.experiments.cases import map_files
+    from vdoor.synth import kind_named
 
     if not maps and not kind:
         raise SettingError("map-statistics: wanted maps, found none: neither MAP nor --kind")
-    likeness.check_kinds(kind or ())
-    files = [file for path in maps or () for file in map_files(path)]
-    groups = {"maps": [read_grid(file, quiet=True, resolution_m=resolution) for file in files]} if maps else {}
-    found = likeness.measured(groups | {name: likeness.drawn(name, count, seed) for name in kind or ()})
+    kinds = {name: kind_named(name) for name in kind or ()}
+    groups = {"maps": [grid for _, grid in _named_grids(maps, resolution)]} if maps else {}
+    found = likeness.measured(groups | {name: likeness.drawn(of, count, seed) for name, of in kinds.items()})
     print(json.dumps(found) if as_json else likeness.to_text(found))
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -72,7 +73,7 @@ def read_division(name: str, path: Path, map_choice: MapChoice) -> Division:
     if is_result(path):
         document = read_table(path / "map.json")
         labels = read_labels(own_file(path, "rooms.png", document))
-        grid, free = _result_map(path, name, map_choice)
+        grid, free = _result_map(path, document, name, map_choice)
     elif map_choice.path is None:
         raise VdoorError(f"--map: wanted the map that a label image belongs to, found none: {path}")
     else:
@@ -94,9 +95,10 @@ def check_size(what: str, labels: NDArray[Any], free: NDArray[np.bool_], path: P
         raise VdoorError(f"{what}: wanted {wanted} like the map, found {found}: {path}")
 
 
-def _result_map(folder: Path, name: str, choice: MapChoice) -> tuple[OccupancyGrid, NDArray[np.bool_]]:
+def _result_map(
+    folder: Path, document: Mapping[str, Any], name: str, choice: MapChoice
+) -> tuple[OccupancyGrid, NDArray[np.bool_]]:
     """The map in a result folder, or the one chosen instead; and its free cells (h, w)."""
-    document = read_table(folder / "map.json")
     try:
         resolution_m, origin = float(document["resolution_m"]), document["origin"]
         place = {key: float(origin[key]) for key in ("x_m", "y_m", "yaw_rad")}

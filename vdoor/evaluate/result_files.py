@@ -16,17 +16,20 @@ def file_in(folder: Path, name: str, document: Mapping[str, Any]) -> Path:
 
     If neither is the one that map.json was written with, or map.json is of a version without checksums, the former.
     """
-    path = folder / name
-    return next((place for place in (path, partial_name(path)) if _is_own(place, name, document)), path)
+    return _found(folder, name, document) or folder / name
 
 
 def own_file(folder: Path, name: str, document: Mapping[str, Any]) -> Path:
     """Where a file of a result is; raises VdoorError if there is none that map.json was written with."""
-    place = file_in(folder, name, document)
-    if not _is_own(place, name, document):
-        found = "another" if place.is_file() else "none"
-        raise VdoorError(f"{name}: wanted the file that map.json was written with, found {found}")
-    return place
+    if place := _found(folder, name, document):
+        return place
+    found = "another" if (folder / name).is_file() else "none"
+    raise VdoorError(f"{name}: wanted the file that map.json was written with, found {found}")
+
+
+def _found(folder: Path, name: str, document: Mapping[str, Any]) -> Path | None:
+    places = folder / name, partial_name(folder / name)
+    return next((place for place in places if _is_own(place, name, document)), None)
 
 
 def _is_own(place: Path, name: str, document: Mapping[str, Any]) -> bool:

@@ -5,19 +5,19 @@ from __future__ import annotations
 import contextlib
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, fields
+from typing import Any
 
 import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from vdoor.errors import MapError, SettingError
+from vdoor.errors import MapError
 from vdoor.grid import OccupancyGrid
 from vdoor.method.scoring.score import corners_per_m
-from vdoor.pipeline import PRESETS as PRESET_PIPELINES
-from vdoor.pipeline import Pipeline
+from vdoor.pipeline import PRESETS, Pipeline
 from vdoor.raster.morphology import counted, with_neighbours
 from vdoor.raster.runs import runs_of
-from vdoor.synth import PRESETS, synthesize
+from vdoor.synth import synthesize
 
 EIGHT = np.ones((3, 3), np.int64)
 LONG_RUN = 0.9
@@ -50,28 +50,26 @@ def statistics(grid: OccupancyGrid, pipeline: Pipeline) -> Statistics:
     cell_m, occupied, unknown = grid.frame.resolution_m, grid.occupied, ~(grid.free | grid.occupied)
     free_m2 = np.count_nonzero(grid.free) * cell_m**2
     beside = [scipy.ndimage.convolve(state.astype(np.int64), EIGHT, mode="constant") for state in (grid.free, unknown)]
-    along, across = _run_cells(occupied), _run_cells(occupied.T).T
+    runs = (
+        np.stack([_run_cells(occupied), _run_cells(occupied.T).T])[:, occupied] if occupied.any() else np.zeros((2, 1))
+    )
     count = max(int(occupied.sum()), 1)
     _, path, corners, _ = pipeline.propose(grid)
     return Statistics(
         free_m2=free_m2,
         free_beside_walls=float(beside[0][occupied].sum()) / (8 * count),
         unknown_beside_walls=float(beside[1][occupied].sum()) / (8 * count),
-        wall_cells_thick=float(np.median(np.minimum(along, across)[occupied])) if occupied.any() else 0.0,
-        wall_run_m=float(np.quantile(np.maximum(along, across)[occupied], LONG_RUN)) * cell_m
-        if occupied.any()
-        else 0.0,
+        wall_cells_thick=float(np.median(runs.min(axis=0))),
+        wall_run_m=float(np.quantile(runs.max(axis=0), LONG_RUN)) * cell_m,
         islands_per_m2=_islands(grid) / max(free_m2, cell_m**2),
         corners_per_m=corners_per_m(path, corners),
     )
 
 
-def _run_cells(occupied: NDArray[np.bool_]) -> NDArray[np.int64]:
+def _run_cells(occupied: NDArray[np.bool_]) -> NDArray[np.int32]:
     """For each cell (h, w) the length of the run of occupied cells along its row that it lies in, 0 outside."""
-    runs = runs_of(occupied.astype(np.int32))
-    cells = np.zeros(occupied.shape, np.int64)
-    cells[occupied] = np.repeat(runs.length, runs.length)
-    return cells
+    runs = runs_of(occupied)
+    return runs.labelled(runs.length.astype(np.int32)).image()
 
 
 def _islands(grid: OccupancyGrid) -> int:
@@ -86,21 +84,14 @@ def _islands(grid: OccupancyGrid) -> int:
     return int(alone.sum())
 
 
-def check_kinds(kinds: Iterable[str]) -> None:
-    """Raise `SettingError` for a kind that `vdoor.synth.PRESETS` does not have."""
-    for kind in kinds:
-        if kind not in PRESETS:
-            raise SettingError(f"--kind: wanted one of {', '.join(PRESETS)}, found {kind!r}")
-
-
-def drawn(kind: str, count: int, seed: int) -> list[OccupancyGrid]:
-    """Synthetic maps of a kind in `vdoor.synth.PRESETS`."""
-    return [synthesize(PRESETS[kind], np.random.default_rng([seed, index])).grid for index in range(count)]
+def drawn(kind: Any, count: int, seed: int) -> list[OccupancyGrid]:
+    """Synthetic maps by the settings of one kind."""
+    return [synthesize(kind, np.random.default_rng([seed, index])).grid for index in range(count)]
 
 
 def measured(groups: Mapping[str, Iterable[OccupancyGrid]]) -> dict[str, dict[str, Quartiles]]:
     """Quartiles of each statistic over each group of maps, without those that have no rooms; `MapError` if none has."""
-    pipeline = PRESET_PIPELINES["default"]
+    pipeline = PRESETS["default"]
     assert isinstance(pipeline, Pipeline)
     return {name: _quartiles(name, grids, pipeline) for name, grids in groups.items()}
 

@@ -15,15 +15,35 @@ if TYPE_CHECKING:
         read_map,
         read_piped,
         read_source,
+        reader_of,
     )
     from vdoor.formats.source import MAX_CELLS
 
-__all__ = ["MAX_CELLS", "READERS", "Reader", "described", "read_annotations", "read_map", "read_piped", "read_source"]
+__all__ = [
+    "MAX_CELLS",
+    "READERS",
+    "Reader",
+    "described",
+    "read_annotations",
+    "read_map",
+    "read_piped",
+    "read_source",
+    "reader_of",
+]
 
 __getattr__ = on_first_use(
     __name__,
     {
-        "reading": ("READERS", "Reader", "described", "read_annotations", "read_map", "read_piped", "read_source"),
+        "reading": (
+            "READERS",
+            "Reader",
+            "described",
+            "read_annotations",
+            "read_map",
+            "read_piped",
+            "read_source",
+            "reader_of",
+        ),
         "source": ("MAX_CELLS",),
     },
 )

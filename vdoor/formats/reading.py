@@ -166,18 +166,24 @@ def _read(request: Request) -> OccupancyGrid:
 
 def _reader(request: Request) -> Reader:
     """The reader for a map, chosen by the suffix of its first stored file; raises MapError if there is none."""
+    if reader := reader_of(request.name):
+        return reader
     suffix = Path(request.name).suffix.lower()
-    for reader in READERS:
-        if suffix in reader.suffixes:
-            return reader
     known = ", ".join(suffix for reader in READERS for suffix in reader.suffixes)
     raise MapError(f"map: wanted a file ending in {known}, found {suffix or 'no suffix'}: {request.path(request.name)}")
+
+
+def reader_of(name: str) -> Reader | None:
+    """The reader for a file of that name, chosen by its suffix; None if there is none."""
+    suffix = Path(name).suffix.lower()
+    return next((reader for reader in READERS if suffix in reader.suffixes), None)
 
 
 def _formats() -> opening.Formats:
     """What opening must know of the formats."""
 
     def needs(name: str, data: bytes) -> tuple[str, ...]:
-        return next(reader for reader in READERS if Path(name).suffix.lower() in reader.suffixes).needs(data)
+        reader = reader_of(name)
+        return reader.needs(data) if reader else ()
 
     return opening.Formats(frozenset(suffix for reader in READERS for suffix in reader.suffixes), needs)

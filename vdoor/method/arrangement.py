@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from vdoor.method.doors import VirtualDoors
 from vdoor.raster.components import components
-from vdoor.raster.runs import Runs, overlaid, parts_of_mask, steps_within
+from vdoor.raster.runs import Runs, neighbours, overlaid, parts_of_mask
 
 Ints = NDArray[np.int32]
 Mask = NDArray[np.bool_]
@@ -65,12 +65,11 @@ def cut(free: Mask, doors: VirtualDoors, chosen: Ints) -> Pieces:
     region = parts_of_mask(region_space)
     own = region.most + 1 + atom_of_cell
     # Only door cells need checking for adjacency: regions never touch each other.
-    pairs = []
-    for step, edge in steps_within(free.shape[1]):
-        other = overlaid(region, cell, own, cell + step)
-        beside = (other > 0) & (other != own) & (cell % free.shape[1] != edge)
-        pairs.append(np.stack([own[beside], other[beside]], axis=1))
-    touch = np.unique(np.sort(np.concatenate(pairs), axis=1), axis=0) - 1
+    near, source = neighbours(cell, free.shape)
+    other = overlaid(region, cell, own, near)
+    beside = (other > 0) & (other != own[source])
+    pairs = np.stack([own[source[beside]], other[beside]], axis=1)
+    touch = np.unique(np.sort(pairs, axis=1), axis=0) - 1
     cells = np.append(region.cells(region.most), np.bincount(atom_of_cell))
     return Pieces(region, region.most, cell, atom_of_cell, cells, cover, touch.astype(np.int32))
 

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from vdoor.raster.morphology import covered
-from vdoor.raster.runs import Runs, overlaid, parts_of_mask, steps_within
+from vdoor.raster.morphology import covered, steps_to_middle
+from vdoor.raster.runs import Runs, neighbours, overlaid, parts_of_mask
 
 Ints = NDArray[np.int32]
 Cells = NDArray[np.int64]
@@ -52,14 +52,14 @@ class SpaceNumbers:
     def gap(self) -> Mask:
         """The cells (h, w) that several parts cover, and those beside a cell of another part."""
         found = np.zeros_like(self.mask)
-        flat, width = found.reshape(-1), found.shape[1]
+        flat = found.reshape(-1)
         flat[self.cell[self.number == 0]] = True
         own, number = self.cell[self.number > 0], self.number[self.number > 0]
-        for step, edge in steps_within(width):
-            other = self.at(own + step)
-            differs = (other > 0) & (other != number) & (own % width != edge)
-            flat[own[differs]] = True
-            flat[own[differs] + step] = True
+        near, source = neighbours(own, found.shape)
+        other = self.at(near)
+        differs = (other > 0) & (other != number[source])
+        flat[own[source[differs]]] = True
+        flat[near[differs]] = True
         return found
 
 
@@ -75,10 +75,8 @@ def largest_in(reached: Runs, parts: Runs) -> Ints:
 def only_one(parts: Runs, element: Mask, cell: Cells) -> Ints:
     """The part (k,) of which elements cover each cell, given by flat index; 0 if several do."""
     least, most = np.full(len(cell), parts.most + 1, np.int32), np.zeros(len(cell), np.int32)
-    for row, column in np.argwhere(element).tolist():
-        # Nothing fits so near to the edge that a step beyond it, in the next row, would find it.
-        away = (len(element) // 2 - row) * parts.shape[1] + len(element) // 2 - column
-        found = parts.at(cell + away)
+    for step in steps_to_middle(element, parts.shape[1]).tolist():
+        found = parts.at(cell + step)
         np.maximum(most, found, out=most)
         np.minimum(least, found, out=least, where=found > 0)
     return np.where(least == most, most, 0).astype(np.int32)

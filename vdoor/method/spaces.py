@@ -13,7 +13,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vdoor.method.space_numbers import SpaceNumbers
-from vdoor.raster.morphology import covered, in_bands, labelled, opened, room_for, square, with_neighbours
+from vdoor.raster.morphology import (
+    covered,
+    in_bands,
+    labelled,
+    opened,
+    room_for,
+    square,
+    steps_to_middle,
+    with_neighbours,
+)
 from vdoor.raster.runs import Runs, beside, parts_of_mask, runs_of
 
 Ints = NDArray[np.int32]
@@ -133,11 +142,9 @@ def reached_from_two_sides(room: Mask, element: Mask) -> Mask:
     cell = np.flatnonzero(reached & ~covered(room, element & ~aside))
     direction = np.rint(np.arctan2(down, right) / (np.pi / 4)).astype(int) % 8
     seen = np.zeros(len(cell), np.uint8)
-    for row, column in np.argwhere(aside).tolist():
-        away = (len(element) // 2 - row) * room.shape[1] + len(element) // 2 - column
-        # Nothing fits so near to the edge that a step beyond it, in the next row, would find it.
-        centre = room.reshape(-1).take(cell + away, mode="clip").view(np.uint8)
-        seen |= centre << np.uint8(direction[row, column])
+    for step, way in zip(steps_to_middle(aside, room.shape[1]).tolist(), direction[aside], strict=True):
+        centre = room.reshape(-1).take(cell + step, mode="clip").view(np.uint8)
+        seen |= centre << np.uint8(way)
     found = np.zeros_like(room)
     found.reshape(-1)[cell[TWO_RANGES[seen]]] = True
     for first, second in ((np.s_[:-1], np.s_[1:]), (np.s_[:, :-1], np.s_[:, 1:])):

@@ -8,10 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vdoor.raster.morphology import covered
-from vdoor.raster.runs import parts_of_mask, parts_of_runs, runs_of, steps_within
+from vdoor.raster.runs import neighbours, parts_of_mask, parts_of_runs, runs_of
 
 Ints = NDArray[np.int32]
-Cells = NDArray[np.int64]
 Mask = NDArray[np.bool_]
 Cell = TypeVar("Cell", bound=np.generic)
 
@@ -54,10 +53,10 @@ def flooded(labels: Ints, free: Mask) -> Ints:
         return labels
     found = labels.copy()
     flat = found.reshape(-1)
-    edge, _ = _beside(pending, labels.shape)
+    edge, _ = neighbours(pending, labels.shape)
     front = np.unique(edge[flat[edge] > 0])
     while len(front):
-        target, source = _beside(front, labels.shape)
+        target, source = neighbours(front, labels.shape)
         fresh = todo[target]
         target, label = target[fresh], flat[front[source[fresh]]]
         order = np.lexsort((label, target))
@@ -79,7 +78,7 @@ def handed_on(labels: Ints, free: Mask) -> Ints:
     if not pieces.most:
         return labels
     cell, piece = pieces.flat(), np.repeat(pieces.label, pieces.length)
-    target, source = _beside(cell, labels.shape)
+    target, source = neighbours(cell, labels.shape)
     near = labels.reshape(-1)[target]
     own, near = piece[source[near > 0]], near[near > 0]
     rooms = int(near.max(initial=0)) + 1
@@ -119,15 +118,3 @@ def numbered(labels: Ints, rooms: int) -> tuple[Ints, Ints]:
     number = np.zeros(rooms + 1, np.int32)
     number[order] = np.arange(1, len(order) + 1)
     return runs.labelled(number[runs.label]).image(), number
-
-
-def _beside(cell: Cells, shape: tuple[int, ...]) -> tuple[Cells, NDArray[np.intp]]:
-    """The 4-neighbours (k,) of cells in a raster, as flat indices, and of which cell (k,) each is one."""
-    height, width = shape
-    found, source = [], []
-    for step, edge in steps_within(width):
-        other = cell + step
-        inside = np.flatnonzero((cell % width != edge) & (other >= 0) & (other < height * width))
-        found.append(other[inside])
-        source.append(inside)
-    return np.concatenate(found), np.concatenate(source)

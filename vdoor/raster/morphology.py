@@ -75,6 +75,16 @@ def covered(room: Mask, element: Mask) -> Mask:
     return np.asarray(cv2.dilate(bytes_of(room), bytes_of(element[::-1, ::-1]), anchor=middle, **border)).view(np.bool_)
 
 
+def steps_to_middle(element: Mask, width: int) -> NDArray[np.intp]:
+    """The flat steps (k,), in a raster so wide, from each cell of a square element to its middle.
+
+    Elements do not fit so near to the edge that a step beyond it, in the next row, would find one.
+    """
+    middle = len(element) // 2
+    row, column = np.nonzero(element)
+    return np.asarray((middle - row) * width + middle - column)
+
+
 def opened(mask: Mask, element: Mask, *, outside: bool = False) -> Mask:
     """The morphological opening of a mask (h, w) by an element: all cells it covers where it fits."""
     return covered(room_for(mask, element, outside=outside), element)

@@ -105,8 +105,7 @@ class Runs:
 
     def flat(self) -> Ints:
         """The flat indices of all cells, sorted."""
-        begin = np.cumsum(self.length) - self.length
-        return np.asarray(np.arange(int(self.length.sum())) + np.repeat(self.first - begin, self.length))
+        return consecutive(self.first, self.length)
 
     def _painted(self, value: NDArray[Any]) -> NDArray[Any]:
         """An image (h, w) of the value of each run."""
@@ -148,7 +147,7 @@ def parts_of_runs(runs: Runs, connectivity: int = 1) -> Runs:
     above = np.searchsorted(end + stride + reach, begin, "right")
     count = np.maximum(np.searchsorted(begin + stride - reach, end, "left") - above, 0)
     own = np.repeat(np.arange(len(begin)), count)
-    other = np.arange(len(own)) + np.repeat(above - np.cumsum(count) + count, count)
+    other = consecutive(above, count)
     links = np.stack([own, other])
     if len(links[0]) and runs.most > int(runs.label.min()):
         links = links[:, runs.label[own] == runs.label[other]]
@@ -183,6 +182,18 @@ def overlaid(runs: Runs, cell: Ints, label: NDArray[np.integer], wanted: Ints) -
     return found
 
 
-def steps_within(width: int) -> tuple[tuple[int, int], ...]:
-    """The flat steps to the four neighbours, each with the column from which it leaves the raster; -1 for none."""
-    return (1, width - 1), (width, -1), (-1, 0), (-width, -1)
+def neighbours(cell: Ints, shape: tuple[int, ...]) -> tuple[Ints, NDArray[np.intp]]:
+    """The 4-neighbours (k,) of cells in a raster, as flat indices, and of which cell (k,) each is one."""
+    height, width = shape
+    found, source = [], []
+    for step, last_column in ((1, width - 1), (width, -1), (-1, 0), (-width, -1)):  # -1: no column is the last
+        other = cell + step
+        inside = np.flatnonzero((cell % width != last_column) & (other >= 0) & (other < height * width))
+        found.append(other[inside])
+        source.append(inside)
+    return np.concatenate(found), np.concatenate(source)
+
+
+def consecutive(first: NDArray[Any], count: NDArray[Any]) -> NDArray[Any]:
+    """The numbers `first`, `first` + 1, ... of each range, one range after the other."""
+    return np.asarray(np.repeat(first - (np.cumsum(count) - count), count) + np.arange(count.sum()))

@@ -111,9 +111,9 @@ def _dumped(value: Any) -> str:
 
 def document_of(topology: TopologicalMap, info: RunInfo, timings_s: Mapping[str, float]) -> dict[str, Any]:
     """The content of map.json: lengths in metres, points as [x, y] in the map frame."""
-    frame = topology.frame
     from vdoor.formats import read_annotations  # noqa: PLC0415  # loads all readers
 
+    frame = topology.frame
     annotations = read_annotations(info.source)
     return {
         "schema": SCHEMA,

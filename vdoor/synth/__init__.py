@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from vdoor.errors import SettingError
 from vdoor.synth.apartment import draw_apartment
 from vdoor.synth.home import draw_home
 from vdoor.synth.laser_home import draw_laser_home
@@ -28,6 +29,7 @@ __all__ = [
     "Office",
     "SyntheticMap",
     "TrueDoor",
+    "kind_named",
     "synthesize",
     "write_synthetic",
 ]
@@ -50,6 +52,13 @@ PRESETS: Mapping[str, Any] = MappingProxyType(  # Any: each kind has settings of
         "office": Office(),
     }
 )
+
+
+def kind_named(kind: str) -> Any:
+    """The preset of a kind; `SettingError` for others."""
+    if kind not in PRESETS:
+        raise SettingError(f"--kind: wanted one of {', '.join(PRESETS)}, found {kind!r}")
+    return PRESETS[kind]
 
 
 def synthesize(settings: Apartment | Home | LaserHome | Office, rng: np.random.Generator) -> SyntheticMap:

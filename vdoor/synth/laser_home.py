@@ -126,9 +126,8 @@ def _visited(plan: Drawn, settings: LaserHome, rng: np.random.Generator) -> list
     """Return the rooms that the robot goes into: all, or all but one with a single door."""
     ends = [room for door in plan.opened for room in door.rooms]
     leaves = [room for room in sorted(set(ends)) if ends.count(room) == 1]
-    skipped = (
-        int(rng.choice(leaves)) if chance(settings.unvisited_chance, rng) and len(plan.opened) > 1 and leaves else 0
-    )
+    skips = chance(settings.unvisited_chance, rng) and len(plan.opened) > 1 and leaves
+    skipped = int(rng.choice(leaves)) if skips else 0
     return [room for room in np.unique(plan.floor.rooms).tolist() if room not in (0, skipped)]
 
 
@@ -141,9 +140,8 @@ def _mapped(world: World, poses: list[Pose], placed: Placed, settings: LaserHome
     size = placed.rooms.size
     hits, passes = np.zeros(size, np.int64), np.zeros(size, np.int64)
     for pose, person in zip(poses, near, strict=True):
-        angles = np.arange(scanner.rays, dtype=np.float64) * (2 * math.pi / scanner.rays) + float(
-            rng.uniform(0.0, 2 * math.pi)
-        )
+        turned = float(rng.uniform(0.0, 2 * math.pi))
+        angles = np.arange(scanner.rays, dtype=np.float64) * (2 * math.pi / scanner.rays) + turned
         reach_m, came_back = _ranges(world, pose, angles, scanner, rng)
         if person is not None:
             reach_m, came_back = _shadowed(angles, reach_m, came_back, person)
@@ -204,9 +202,8 @@ def _on_cells(
     steps = np.arange(0.0, max(float(reach_m.max()), PASS_M), PASS_M)
     ends = _flat(middle + way * reach_m[:, np.newaxis], placed)
     along = _flat(middle + way[:, np.newaxis] * steps[:, np.newaxis], placed)
-    crossed = (
-        (steps < reach_m[:, np.newaxis]) & (along >= 0) & ~((along == ends[:, np.newaxis]) & came_back[:, np.newaxis])
-    )
+    crossed = (steps < reach_m[:, np.newaxis]) & (along >= 0)
+    crossed &= ~((along == ends[:, np.newaxis]) & came_back[:, np.newaxis])
     crossed[:, 1:] &= along[:, 1:] != along[:, :-1]
     return ends[came_back & (ends >= 0)], along[crossed]
 

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from vdoor.navigate.coverage.path import norms
 from vdoor.navigate.space import Space, grown
 from vdoor.raster.polygons import polygons
-from vdoor.raster.runs import runs_of
+from vdoor.raster.runs import parts_of_mask
 
 Mask = NDArray[np.bool_]
 Ints = NDArray[np.int32]
@@ -103,10 +103,10 @@ def _holds_any(part: shapely.Polygon, centres: Mask) -> bool:
 
 def outlines(cells: Mask) -> list[shapely.Polygon]:
     """The outlines of the connected parts of `cells` (h, w), along cell edges."""
-    label, count = scipy.ndimage.label(cells)
-    if not count:
+    parts = parts_of_mask(cells)
+    if not parts.most:
         return []
-    vertex, owner, ring = polygons(runs_of(label))
+    vertex, owner, ring = polygons(parts)
     ends = np.flatnonzero((np.diff(owner) != 0) | (np.diff(ring) != 0)) + 1
     rings = np.split(vertex - 0.5, ends)
     outer = np.flatnonzero(ring[np.append(0, ends)] == 0)

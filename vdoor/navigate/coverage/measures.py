@@ -8,9 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vdoor.navigate.coverage.path import Path, norms
-from vdoor.navigate.coverage.sweep import Swept, Tool, consecutive
+from vdoor.navigate.coverage.sweep import Swept, Tool
 from vdoor.navigate.sight import least_clearance
 from vdoor.navigate.space import Space
+from vdoor.raster.runs import consecutive
 
 Mask = NDArray[np.bool_]
 Ints = NDArray[np.intp]

@@ -17,7 +17,8 @@ from numpy.typing import NDArray
 from vdoor.navigate.coverage.floor import SNAP, enlarged
 from vdoor.navigate.coverage.losses import Losses, Segments
 from vdoor.navigate.coverage.path import Path, bends_rad, norms
-from vdoor.navigate.coverage.sweep import Tool, consecutive
+from vdoor.navigate.coverage.sweep import Tool
+from vdoor.raster.runs import consecutive
 
 Mask = NDArray[np.bool_]
 Ints = NDArray[np.intp]

@@ -11,6 +11,8 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
+from vdoor.raster.runs import consecutive
+
 Mask = NDArray[np.bool_]
 Ints = NDArray[np.intp]
 Floats = NDArray[np.float64]
@@ -174,11 +176,6 @@ def _split(start: Floats, end: Floats) -> tuple[Floats, Floats]:
     step = ((end - start) / count[:, None])[of]
     first = start[of] + number[:, None] * step
     return first, first + step
-
-
-def consecutive(first: Ints, count: Ints) -> Ints:
-    """The numbers `first`, `first` + 1, ... of each range, one range after the other."""
-    return np.repeat(first - (np.cumsum(count) - count), count) + np.arange(count.sum())
 
 
 def _disc(centre: Floats, row: Ints, radius: float) -> Interval:
