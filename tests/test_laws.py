@@ -76,6 +76,11 @@ class Seen:
         places = rows(self.at(found.quarter, unit=4))
         return Counter(zip(places, found.angle_rad.tolist(), found.convex.tolist(), strict=True))
 
+    def corners_are_samples(self) -> bool:
+        """Whether each corner lies at its sample, not between two that are equally sharp."""
+        found = self.found
+        return np.array_equal(2 * found.path.half[found.corners.sample], found.corners.quarter)
+
     def doors(self) -> Counter[tuple[Any, ...]]:
         found = self.found.doors
         good = found.verdict == PROPOSED
@@ -136,11 +141,15 @@ def test_turning_and_shifting_keeps_every_sample_and_angle(move: Move, cells: Ce
 @law
 @given(cells=small_maps(most=30))
 def test_the_laws_hold_on_cracks_too(move: Move, cells: Cells) -> None:
-    """The same cells taken as 5 cm ones: samples lie on cracks, doors reach 24 cells."""
+    """The same cells taken as 5 cm ones: samples lie on cracks, doors reach 24 cells.
+
+    A mirrored map has the same doors only where every corner is one sample: the case below has two in the middle.
+    """
     fine = OccupancyGrid.from_array(cells, 0.05)
     before, after = stages(fine, FINE), stages(OccupancyGrid.from_array(move.cells(cells), 0.05), FINE)
     one, other = Seen(before, move, cells.shape), Seen(after, None, cells.shape)
-    for aspect in ASPECTS[:-1]:
+    mirrored = move.name in ("mirror", "transpose")
+    for aspect in ASPECTS[:3] if mirrored and not one.corners_are_samples() else ASPECTS[:-1]:
         assert getattr(one, aspect)() == getattr(other, aspect)(), aspect
 
 

@@ -45,7 +45,7 @@ kinds = st.builds(
     rotation_deg=st.sampled_from([0.0, 0.0, 5.0, 30.0, 45.0, 90.0, -17.0]),
     corridor_chance=st.sampled_from([0.0, 1.0]),
 )
-law = settings(max_examples=12, deadline=None, derandomize=True)
+law = settings(max_examples=8, deadline=None, derandomize=True)
 
 
 def made(kind: Apartment, seed: int) -> SyntheticMap:

@@ -21,7 +21,7 @@ FULL = dataclasses.replace(SMALL, furnished_chance=1.0, rough_chance=1.0, corrid
 
 seeds = st.integers(0, 2**32 - 1)
 kinds = st.sampled_from([SMALL, PLAIN, FULL])
-law = settings(max_examples=8, deadline=None, derandomize=True)
+law = settings(max_examples=6, deadline=None, derandomize=True)
 
 
 def made(kind: Office, seed: int) -> SyntheticMap:

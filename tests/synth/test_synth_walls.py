@@ -35,7 +35,7 @@ SQUARE = np.ones((3, 3), np.bool_)
 
 Mask = NDArray[np.bool_]
 seeds = st.integers(0, 2**32 - 1)
-law = settings(max_examples=12, deadline=None, derandomize=True)
+law = settings(max_examples=8, deadline=None, derandomize=True)
 
 
 def made(kind: Home | Office, seed: int) -> SyntheticMap:

@@ -93,18 +93,19 @@ def _done(item: Item, recipe: Recipe, begin_s: float) -> Row:
     info = run_info(grid, recipe.preset, pipeline, recipe.seed)
     place = Place(recipe.batch, f"{_stem(grid, item)}-{key_of(info)}")
     measured: Row = {}
+    document: Mapping[str, Any] | None = None
     if recipe.force:
         shutil.rmtree(place.result, ignore_errors=True)
     if not place.result.is_dir():
         watch = Stopwatch(silent)
-        _run(grid, pipeline, info, place, watch)
+        document = _run(grid, pipeline, info, place, watch)
         measured = {"stages_s": {stage: round(seconds, 6) for stage, seconds in watch.cpu_s.items()}}
         measured |= {"cpu_s": sum(watch.cpu_s.values()), "all_cpu_s": time.process_time() - begin_cpu_s}
         measured |= {"wall_s": time.perf_counter() - begin_s, "peak_mb": _peak_mb(), "host": platform.node()}
     before = place.read_row()
     if not measured and before.get("map") == item.map and before.get("reference", "") == item.reference:
         return before | {"again": True}
-    row = _described(item, grid, place, recipe) | (
+    row = _described(item, grid, place, recipe, document or read_table(place.result / "map.json")) | (
         {name: before[name] for name in MEASURED if name in before} | measured
     )
     place.write_row(row)
@@ -133,16 +134,19 @@ def _stem(grid: OccupancyGrid, item: Item) -> str:
     return re.sub(r"[^\w.-]", "_", Path(name).stem)[:80]
 
 
-def _run(grid: OccupancyGrid, pipeline: AnyPipeline, info: RunInfo, place: Place, watch: Stopwatch) -> None:
-    """Run the method and write the files of `vdoor run MAP --out DIR`, without times."""
+def _run(
+    grid: OccupancyGrid, pipeline: AnyPipeline, info: RunInfo, place: Place, watch: Stopwatch
+) -> Mapping[str, Any]:
+    """Run the method and write the files of `vdoor run MAP --out DIR`, without times; the content of map.json."""
     found = run_prepared(grid, pipeline, seed=info.seed, emit=watch)
     topology = named_by_robot(found, read_annotations(grid.source))
-    place.write_result(contents_of(place.result, grid, topology, document_of(topology, info, {})))
+    document = document_of(topology, info, {})
+    place.write_result(contents_of(place.result, grid, topology, document))
+    return document
 
 
-def _described(item: Item, grid: OccupancyGrid, place: Place, recipe: Recipe) -> Row:
+def _described(item: Item, grid: OccupancyGrid, place: Place, recipe: Recipe, document: Mapping[str, Any]) -> Row:
     """What a map and its result are, and how good that is where there is a reference: equal for equal runs."""
-    document = read_table(place.result / "map.json")
     return {
         "map": item.map,
         "key": place.name.rpartition("-")[2],

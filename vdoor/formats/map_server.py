@@ -6,6 +6,7 @@ PyYAML (YAML 1.1) and yaml-cpp, which Nav2 uses, read numbers differently: for P
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -71,6 +72,7 @@ def image_paths(data: bytes) -> tuple[str, ...]:
     return (parse(data).image,)
 
 
+@functools.lru_cache(maxsize=1)  # asked for once to find the image, and once to read it
 def parse(data: bytes) -> Header:
     """The header in a YAML file; raises MapError if it is not a map_server file, or a value is invalid."""
     table = _table(data)

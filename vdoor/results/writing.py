@@ -105,8 +105,7 @@ def _name(name: str) -> str:
     return f"{json.dumps(name)}: "
 
 
-def _dumped(value: Any) -> str:
-    return json.dumps(value, allow_nan=False)
+_dumped = json.JSONEncoder(allow_nan=False).encode
 
 
 def document_of(topology: TopologicalMap, info: RunInfo, timings_s: Mapping[str, float]) -> dict[str, Any]:
@@ -179,7 +178,8 @@ def map_server_yaml(grid: OccupancyGrid, image: str, *, mode: str = "raw") -> by
     import yaml  # noqa: PLC0415  # reading a result needs none
 
     frame = grid.frame
-    return yaml.safe_dump(
+    dumper: Any = getattr(yaml, "CSafeDumper", yaml.SafeDumper)  # the same text, ten times as fast
+    text: str = yaml.dump(
         {
             "image": image,
             "mode": mode,
@@ -189,6 +189,8 @@ def map_server_yaml(grid: OccupancyGrid, image: str, *, mode: str = "raw") -> by
             "occupied_thresh": 0.65,
             "free_thresh": 0.196,
         },
+        Dumper=dumper,
         sort_keys=False,
         default_flow_style=None,
-    ).encode()
+    )
+    return text.encode()
