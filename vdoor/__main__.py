@@ -14,6 +14,7 @@ STREAMS = 3
 def main() -> None:
     """Run the command; Ctrl-C ends it with exit code 130 and without a traceback, whenever it comes."""
     signal.signal(signal.SIGINT, signal.SIG_DFL)  # while modules are imported
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # numpy would start a thread for each core, for nothing
     for number in range(STREAMS):
         _keep_open(number)
     from vdoor.cli import main as command  # noqa: PLC0415  # takes a moment
