@@ -142,8 +142,8 @@ def beeline(start: Cell, goal: Cell) -> int:
     return low * DIAGONAL + (high - low) * STRAIGHT
 
 
-def local_way(space: Space, start: Cell, goal: Cell, most: int) -> list[Cell]:
-    """The ends and bends of a shortest way between two allowed cells that are joined by one of at most that length.
+def local_way(space: Space, start: Cell, goal: Cell, most: int) -> list[Cell] | None:
+    """The ends and bends of a shortest way of at most that length between two allowed cells; None if there is none.
 
     It is searched among the cells that a way of that length can pass, which are few if it is almost straight.
     """
@@ -154,7 +154,8 @@ def local_way(space: Space, start: Cell, goal: Cell, most: int) -> list[Cell]:
     )
     detour = _beelines(start, box) + _beelines(goal, box)
     graph = RoomGraph.of(space, box, space.allowed[box] & (detour <= most))
-    return graph.way(start, graph.distances(goal, limit=most))
+    distance = graph.distances(goal, limit=most)
+    return graph.way(start, distance) if distance[graph.number(start)] < FAR else None
 
 
 def _beelines(cell: Cell, box: Box) -> Ints:

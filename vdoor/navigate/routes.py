@@ -31,6 +31,8 @@ Floats = NDArray[np.float64]
 
 NEAR_M = 15.0
 """Routes up to this length are searched anew, in all cells: there the detour to a portal counts."""
+ALMOST = 1.03
+"""Within a room a way at most this much longer than the straight one is looked for first, among few cells."""
 MOST_NODES = 500_000
 """Cells of the rooms whose graphs are kept: 50 MB."""
 MOST_DISTANCES = 20_000_000
@@ -139,12 +141,17 @@ class Routes:
 
         The shortest way through terminals, or a shorter one within the room, or, up to `NEAR_M`, the shortest of all.
         """
+        same = self._room(start) == self._room(goal)
+        if same and (way := local_way(self.space, start, goal, int(ALMOST * beeline(start, goal)))):
+            return Plan.over(way)
         plan = self._by_doors(start, goal)
-        if self._room(start) == self._room(goal):
+        if same:
             plan = self._inside(start, goal, plan.length if plan else np.inf) or plan
         if plan is None or plan.length == beeline(start, goal) or plan.length * self.unit_m > NEAR_M:
             return plan
-        return Plan.over(local_way(self.space, start, goal, plan.length))
+        way = local_way(self.space, start, goal, plan.length)
+        assert way is not None
+        return Plan.over(way)
 
     def _way(self, start: Cell, goal: Cell, room: int, length: int) -> list[Cell]:
         """The ends and bends of the way between two stops of a plan, at least one of them a terminal, within a room."""
