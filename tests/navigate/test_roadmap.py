@@ -170,6 +170,21 @@ def test_it_keeps_clear_of_no_go_areas() -> None:
     assert min(line.distance(area) for line in without) == 0
 
 
+@pytest.mark.parametrize(("low_m", "high_m", "rooms"), [(-1.0, 2.6, {1}), (-1.0, 2.4, {1}), (2.1, 2.6, {1, 2})])
+def test_no_edge_leads_into_a_no_go_area_that_holds_a_room_or_a_door(
+    low_m: float, high_m: float, rooms: set[int]
+) -> None:
+    rows = ["1" * 20] * 9 + ["0" * 4 + "1" + "0" * 15] + ["2" * 20] * 6
+    topology = labelled("\n".join(rows), ((1, 2), (9.5, 4)), cell_m=0.4)
+    area_m = ((-1.0, low_m), (9.0, low_m), (9.0, high_m), (-1.0, high_m))  # room 2 lies below 2.4, the door up to 2.8
+    own = Annotations(own_origin_cm=(0.0, 0.0), no_go_areas_m=(area_m,))
+    graph = roadmap_of(topology, own, clearance_m=RADIUS_M)
+    area = shapely.Polygon(topology.frame.cell_from_world(np.array(area_m))).buffer(-1e-6)
+    assert {edge.room for edge in graph.edges} == rooms
+    assert not any(line.intersects(area) for line in lines(graph))
+    assert [node.room for node in graph.nodes if node.main] == [1, 2, 0]
+
+
 def test_a_door_whose_rooms_do_not_touch_is_refused() -> None:
     with pytest.raises(VdoorError, match="door 1: wanted rooms 1 and 2 to touch"):
         roadmap_of(labelled("11011\n10201\n11011", ((1, 2), (0.5, 2))), clearance_m=RADIUS_M)
