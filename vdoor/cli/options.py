@@ -36,9 +36,10 @@ def complete_preset(begun: str) -> list[str]:
 
 def complete_stage(begun: str) -> list[str]:
     """Stages and tabs that begin so."""
-    from vdoor.explain.stage_names import stage_names, tab_names
+    from vdoor.explain.stage_names import tab_names
+    from vdoor.history import STAGES
 
-    return [name for name in (*stage_names(), *tab_names()) if name.startswith(begun)]
+    return [name for name in (*STAGES, *tab_names()) if name.startswith(begun)]
 
 
 def complete_format(begun: str) -> list[str]:

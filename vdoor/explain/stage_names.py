@@ -6,17 +6,12 @@ from typing import Never
 
 from vdoor.errors import SettingError, no_such
 from vdoor.explain.stages import OVERVIEW, tabs_of, view_of
-from vdoor.pipeline import RECORDS
+from vdoor.history.records import RECORD_OF, STAGES
 
 
 def tab_names() -> tuple[str, ...]:
     """All tabs, in order."""
-    return tabs_of(RECORDS, {})
-
-
-def stage_names() -> tuple[str, ...]:
-    """All stages, in order."""
-    return tuple(record.topic for record in RECORDS)
+    return tabs_of(RECORD_OF.values(), {})
 
 
 def stages_named(word: str) -> tuple[str, ...]:
@@ -24,9 +19,9 @@ def stages_named(word: str) -> tuple[str, ...]:
 
     Raises `SettingError` if there is neither.
     """
-    if word.lower() in stage_names():
+    if word.lower() in STAGES:
         return (word.lower(),)
-    found = tuple(record.topic for record in RECORDS if view_of(record).tab.lower() == word.lower())
+    found = tuple(stage for stage in STAGES if view_of(RECORD_OF[stage]).tab.lower() == word.lower())
     return found or _refuse(word)
 
 
@@ -36,10 +31,10 @@ def tab_named(word: str) -> str:
     Raises `SettingError` if there is neither.
     """
     tab = next((tab for tab in tab_names() if tab.lower() == word.lower()), "")
-    record = next((record for record in RECORDS if record.topic == word.lower()), None)
+    record = RECORD_OF.get(word.lower())
     return tab or (view_of(record).tab if record else _refuse(word))
 
 
 def _refuse(word: str) -> Never:
-    only_tabs = [tab for tab in tab_names() if tab != OVERVIEW and tab.lower() not in stage_names()]
-    raise SettingError(f"--stage: {no_such('stage', word, [*stage_names(), *only_tabs])}")
+    only_tabs = [tab for tab in tab_names() if tab != OVERVIEW and tab.lower() not in STAGES]
+    raise SettingError(f"--stage: {no_such('stage', word, [*STAGES, *only_tabs])}")
