@@ -22,6 +22,15 @@ FLAT = project.HOME / "recordings" / "flat.yaml"
 @pytest.mark.parametrize(
     ("words", "says"),
     [
+        (("why", "."), "why: wanted one of --at, --door, --edge, --candidate, found 0: ."),
+        (("why", "x.mcap", "--at", "99,99"), "found 99,99 m, cell 494,-488: x.mcap"),
+        (("why", "res", "--door", "1"), "found a result folder; `vdoor run MAP --mcap FILE` writes what this command"),
+        (("shot", "res", "-o", "p"), "found a result folder; `vdoor run MAP --mcap FILE` writes one: res"),
+        (("export", "x.png", "--to", "svg"), "found a PNG image; `vdoor run MAP --out FOLDER` makes a folder: x.png"),
+        (("export", "x.mcap", "--to", "nav2"), "did you mean 'nav2-route'?"),
+        (("valetudo", "res"), "valetudo: wanted one of --clean, --segments, --keep-in, found 0: res"),
+        (("batch", "report"), "found none; `vdoor batch report DIR` takes the folder of a batch"),
+        (("sweep", "bias=1"), "did you mean cost.bias=1?"),
         (("run", FLAT, "--save", "y.mcap"), "--save: wanted a file name ending in .rrd; --mcap writes MCAP: y.mcap"),
         (
             ("run", FLAT, "--mcap", "y.rrd"),
@@ -29,8 +38,14 @@ FLAT = project.HOME / "recordings" / "flat.yaml"
         ),
         (("cover", FLAT, "--save", "y.mcap"), "--save: wanted a file name ending in .rrd; --mcap writes MCAP: y.mcap"),
         (("route", FLAT, "1", "4", "--mcap", "y.rrd"), "--mcap: wanted a file name ending in .mcap"),
-        (("why", "x.rrd", "--at", "1,1"), "wanted an MCAP file, found a Rerun recording; `vdoor run --mcap` writes"),
-        (("info", "x.png"), "wanted an MCAP file, found a PNG image: x.png"),
+        (
+            ("why", "x.rrd", "--at", "1,1"),
+            "found a Rerun recording; `vdoor run MAP --mcap FILE` writes",
+        ),
+        (
+            ("info", "x.png"),
+            "wanted an MCAP file, found a PNG image; `vdoor run MAP --mcap FILE` writes what this",
+        ),
         (("info", "."), "wanted an MCAP file, found a folder: ."),
         (("run", "maps"), "found a folder; `vdoor batch` runs all maps in it: maps"),
         (("run", FLAT, "b.png"), "run: wanted one map, found 2; `vdoor batch` runs many"),
@@ -60,6 +75,8 @@ def test_wrong_use_says_what_it_is_and_what_to_do(
     (tmp_path / "x.rrd").write_bytes(b"RRF2" + bytes(60))
     Image.new("L", (4, 4)).save(tmp_path / "x.png")
     (tmp_path / "maps").mkdir()
+    (tmp_path / "res").mkdir()
+    (tmp_path / "res" / "map.json").write_text("{}")
     before = {path.name for path in tmp_path.iterdir()}
     done = command(*words)
     assert (done.code, done.out) == (2, "")

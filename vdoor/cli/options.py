@@ -158,15 +158,14 @@ def chosen_pipeline(
 
 def _whole_names(pipeline: AnyPipeline, assignments: Sequence[str]) -> Sequence[str]:
     """The assignments as they are; `SettingError` for one without a stage, which names the settings it may mean."""
-    from vdoor.config import settings_of
+    from vdoor.config import full_names, settings_of
     from vdoor.pipeline import METHODS
 
     for text in assignments:
         word, equals, value = text.partition("=")
         if not equals or "." in word:
             continue
-        settings = settings_of(pipeline, METHODS)
-        meant = [f"{stage}.{name}={value}" for stage, table in settings.items() for name in table if name == word]
+        meant = [f"{name}={value}" for name in full_names(settings_of(pipeline, METHODS), word)]
         if meant:
             raise SettingError(f"--set: wanted stage.field=value, found {text!r}; did you mean {' or '.join(meant)}?")
     return assignments

@@ -102,7 +102,7 @@ def why(
     given = {"--at": at, "--door": door, "--edge": edge, "--candidate": candidate}
     named = [(option, value) for option, value in given.items() if value is not None]
     if len(named) != 1:
-        raise SettingError(f"why: wanted one of {', '.join(given)}, found {len(named)}")
+        raise SettingError(f"why: wanted one of {', '.join(given)}, found {len(named)}: {recording}")
     ((option, word),) = named
     run = _read(recording)
     with naming(recording):
@@ -110,7 +110,7 @@ def why(
             place_m = place_in(run.input.frame, at, what="--at", cells=cells)
         else:
             place_m = place_of(run, option.removeprefix("--"), str(word))
-    answer = explain(run, place_m, count=count)
+        answer = explain(run, place_m, count=count)
     if as_json:
         print_json(dataclasses.asdict(answer))
     else:

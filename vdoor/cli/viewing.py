@@ -176,8 +176,11 @@ def _is_rrd(path: Path) -> bool:
 def _refuse_unreadable(path: Path) -> None:
     """Raise `VdoorError` if there is no recording, or none that can be drawn: a viewer would wait for it."""
     if not path.is_file():
-        found = "none" if not path.exists() else "a folder" if path.is_dir() else "a device or pipe"
-        raise VdoorError(f"recording: wanted an .rrd or .mcap file, found {found}: {path}")
+        from vdoor.kinds import kind_of
+
+        found = "none" if not path.exists() else kind_of(path) if path.is_dir() else "a device or pipe"
+        advice = "; `vdoor run MAP --mcap FILE` writes one" if path.is_dir() else ""
+        raise VdoorError(f"recording: wanted an .rrd or .mcap file, found {found}{advice}: {path}")
     if _is_rrd(path):
         from vdoor.viz.rerun.program import refuse_unreadable
 

@@ -19,6 +19,7 @@ from vdoor.evaluate.result_files import file_in, own_file
 from vdoor.formats.source import checked_resolution_m, shown
 from vdoor.frame import Frame
 from vdoor.grid import FREE, OCCUPIED, UNKNOWN, Annotations, OccupancyGrid
+from vdoor.kinds import kind_of
 from vdoor.method.finished import Doors, Features, map_of
 from vdoor.raster.runs import runs_of
 from vdoor.record import TEXT
@@ -54,6 +55,9 @@ def read_finished(path: str | Path, *, provenance: bool = False) -> Finished:
     Raises `VdoorError` if it is missing or damaged, or if its files do not belong together.
     """
     path = Path(path)
+    if path.is_file() and path.suffix != ".mcap" and (kind := kind_of(path)) != "an MCAP recording":
+        advice = "`vdoor run MAP --out FOLDER` makes a folder"
+        raise VdoorError(f"result: wanted a folder from `vdoor run --out` or an .mcap, found {kind}; {advice}: {path}")
     return read_result(path, provenance=provenance) if path.is_dir() else read_last(path, provenance=provenance)
 
 
