@@ -166,7 +166,7 @@ PRESETS: dict[str, AnyPipeline] = {
             gap_m=0.2,
         ),
         divide=DivideRooms(in_input=True),
-        merge=MergeRooms(passages=False, half_seen_m=0.25, straight_m=0.4),
+        merge=MergeRooms(passages=False, half_seen_m=0.25, straight_m=0.4, centre_m=1.0),
         doors=ProposeWideDoors(),
         score=ScoreDoors(),
         cost=DoorEnergy(further_bias=1.0),

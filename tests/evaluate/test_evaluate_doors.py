@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from scipy.spatial.distance import cdist, pdist
 
 from vdoor.evaluate import Doors, Tally, contact_doors, marked_doors, match_doors
-from vdoor.evaluate.door_places import _farthest, nearest_pairs
+from vdoor.evaluate.door_places import _farthest, angles_rad, nearest_pairs
 
 CELL_M = 0.05
 
@@ -163,3 +163,12 @@ def test_pairs_are_as_many_and_then_as_near_as_can_be(seed: int, ones: int, othe
         best = min(best, (-len(near), sum(near)))
     assert (-len(rows), apart[rows, columns].sum()) == pytest.approx(best)
     assert len({*rows.tolist()}) == len({*columns.tolist()}) == len(rows)
+
+
+def test_the_angle_between_doors_does_not_depend_on_the_order_of_their_ends() -> None:
+    one = marked_doors(np.array([[[0.0, 0.0], [0.0, 9.0]]] * 4), CELL_M)
+    other = marked_doors(
+        np.array([[[3, 3], [3, 5]], [[3, 5], [3, 3]], [[0, 0], [5, 0]], [[1, 1], [0, 2]]], float), CELL_M
+    )
+    assert np.degrees(angles_rad(one, other)) == pytest.approx([0, 0, 90, 45])
+    assert np.degrees(angles_rad(other, one)) == pytest.approx([0, 0, 90, 45])

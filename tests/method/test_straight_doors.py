@@ -12,13 +12,15 @@ from numpy.typing import NDArray
 from project import HOME
 
 import vdoor
-from vdoor.method.straight_doors import Ends, _moved, _straighter
+from vdoor.method.moved_doors import Ends, moved
+from vdoor.method.straight_doors import straighter
 from vdoor.pipeline import PRESETS, Pipeline
 from vdoor.synth import Home, synthesize
 from vdoor.topology import TopologicalMap
 
-DEFAULT = PRESETS["default"]
-assert isinstance(DEFAULT, Pipeline)
+PRESET = PRESETS["default"]
+assert isinstance(PRESET, Pipeline)
+DEFAULT = dataclasses.replace(PRESET, merge=dataclasses.replace(PRESET.merge, centre_m=0.0))
 AS_FOUND = dataclasses.replace(DEFAULT, merge=dataclasses.replace(DEFAULT.merge, straight_m=0.0))
 DOORWAY = """
     ############
@@ -53,7 +55,7 @@ def test_door_2_of_the_example_map_lies_straight() -> None:
 
 
 def test_a_line_across_a_doorway_becomes_square_and_no_longer() -> None:
-    best = next(_straighter(FREE, ASKEW, reach=2, wall_rad=0.0))
+    best = next(straighter(FREE, ASKEW, reach=2, wall_rad=0.0))
     assert best.start[1] == best.end[1]
     assert (best.start[0], best.end[0]) == (2, 6)
 
@@ -61,18 +63,18 @@ def test_a_line_across_a_doorway_becomes_square_and_no_longer() -> None:
 def test_a_line_square_to_slanted_walls_stays() -> None:
     span = ASKEW.end - ASKEW.start
     along = float(np.arctan2(span[0], span[1]))
-    assert list(_straighter(FREE, ASKEW, reach=2, wall_rad=along)) == []
+    assert list(straighter(FREE, ASKEW, reach=2, wall_rad=along)) == []
 
 
 def test_a_line_without_reach_stays() -> None:
-    assert list(_straighter(FREE, ASKEW, reach=0, wall_rad=0.0)) == []
+    assert list(straighter(FREE, ASKEW, reach=0, wall_rad=0.0)) == []
 
 
 def test_the_rooms_follow_the_line() -> None:
     room = np.where(FREE, np.where(np.arange(12) < 6, 1, 2), 0).astype(np.int32)
     room[[3, 4, 5], [6, 6, 5]] = 0
     new = Ends(np.array([2, 6], np.int32), np.array([6, 6], np.int32))
-    assert _moved(FREE, room, (1, 2), ASKEW, new)
+    assert moved(FREE, room, (1, 2), ASKEW, new)
     assert room[4].tolist() == [0, 1, 1, 1, 1, 1, 0, 2, 2, 2, 2, 0]
     assert room[5].tolist() == [0, 1, 1, 1, 1, 1, 0, 2, 2, 2, 2, 0]
 
@@ -81,7 +83,7 @@ def test_a_line_that_parts_nothing_is_refused_and_changes_nothing() -> None:
     room = np.where(FREE, np.where(np.arange(12) < 6, 1, 2), 0).astype(np.int32)
     before = room.copy()
     across = Ends(np.array([2, 6], np.int32), np.array([2, 8], np.int32))
-    assert not _moved(FREE, room, (1, 2), ASKEW, across)
+    assert not moved(FREE, room, (1, 2), ASKEW, across)
     assert (room == before).all()
 
 

@@ -76,8 +76,7 @@ def _run() -> None:
     finally:
         if sys.stdout is not None:
             sys.stdout.flush()
-    if code:
-        sys.exit(code)
+    sys.exit(code or 0)
 
 
 def _tell_usage(error: Any) -> None:

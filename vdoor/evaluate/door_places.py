@@ -171,6 +171,13 @@ def match_doors(true: Doors, found: Doors, tolerance_m: float, *, unsure: Doors 
     )
 
 
+def angles_rad(one: Doors, other: Doors) -> NDArray[np.float64]:
+    """The angles (k,) between the doors of each row, 0 to a quarter turn."""
+    ways = [np.arctan2(*(doors.ends[:, 1] - doors.ends[:, 0]).T) for doors in (one, other)]
+    turned: NDArray[np.float64] = np.abs((ways[0] - ways[1] + np.pi / 2) % np.pi - np.pi / 2)
+    return turned
+
+
 def nearest_pairs(one_m: NDArray[np.float64], other_m: NDArray[np.float64], limit_m: float) -> tuple[Rows, Rows]:
     """Rows of points (k, 2) and (l, 2) paired one to one within the limit: most pairs, then smallest total distance."""
     apart_m = np.hypot(*(one_m[:, None] - other_m[None]).transpose(2, 0, 1))

@@ -10,7 +10,7 @@ import numpy as np
 
 from vdoor.evaluate.cases import Case
 from vdoor.evaluate.division import Division, MapChoice, read_division
-from vdoor.evaluate.door_places import TOLERANCES_M, DoorMatch, Doors, Tally, match_doors
+from vdoor.evaluate.door_places import TOLERANCES_M, DoorMatch, Doors, Tally, angles_rad, match_doors
 from vdoor.evaluate.reference import Reference, read_reference
 from vdoor.evaluate.room_scores import RoomScore, compare_rooms
 
@@ -36,7 +36,20 @@ class Evaluation:
         """All measures by name."""
         rooms = {} if self.rooms is None else room_figures(self.rooms)
         counts = {"doors_true": len(self.reference.doors), "doors_found": len(self.doors)}
-        return rooms | counts | door_figures({limit: match.tally for limit, match in self.matches.items()})
+        doors = door_figures({limit: match.tally for limit, match in self.matches.items()})
+        return rooms | counts | doors | self._hit_figures()
+
+    def _hit_figures(self) -> dict[str, float]:
+        """The mean distance of the hits from the true doors, and the mean angle between them; empty without hits."""
+        match = self.matches[TOLERANCES_M[0]]
+        true, found = self.reference.doors[match.hit_true], self.doors[match.hit_found]
+        if not len(true):
+            return {}
+        apart_m = np.hypot(*(true.centre_m - found.centre_m).T)
+        return {
+            "hits_apart_m": float(apart_m.mean()),
+            "hits_tilt_deg": float(np.degrees(angles_rad(true, found)).mean()),
+        }
 
 
 def evaluate(division: Division, reference: Reference) -> Evaluation:

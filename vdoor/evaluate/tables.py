@@ -28,6 +28,8 @@ COLUMNS = {
     "door F1": "door_f1",
     "narrow": "narrow_recall",
     "F1 1 m": "door_f1_1m",
+    "off m": "hits_apart_m",
+    "tilt": "hits_tilt_deg",
 }
 """Column headings of the table -> the figure in each."""
 

@@ -12,9 +12,11 @@ from numpy.typing import NDArray
 from vdoor.config import Within
 from vdoor.grid import FREE, OccupancyGrid
 from vdoor.method.boundary import BoundaryPath
+from vdoor.method.centred_doors import set_in_middle
 from vdoor.method.final_doors import SILL, door_rows, matched_to_contacts, on_sill
 from vdoor.method.finished import Features, map_of
 from vdoor.method.initial_map import InitialMap
+from vdoor.method.scoring.model import HOMES_FROM
 from vdoor.method.search.books import CLOSED
 from vdoor.method.search.generation import Generation
 from vdoor.method.search.incremental import FlipState
@@ -41,10 +43,12 @@ class MergeRooms:
     half_seen_m: Annotated[float, Within(0, 5)] = 0.0
     """Free cells apart from all rooms are assigned to one across unknown gaps up to this wide, as part of a room that
     was seen as single rays; 0 leaves them without (paper). Only without `passages`."""
-
     straight_m: Annotated[float, Within(0, 2)] = 0.0
     """Ends of doors that lie askew across an opening move along their walls by up to this, so that the doors are square
     to the walls; 0 leaves them (paper)."""
+    centre_m: Annotated[float, Within(0, 5)] = 0.0
+    """In homes, as told by how rough the map is, doors in passages deeper than a wall, and up to this deep, are put in
+    the middle; 0 leaves them (paper)."""
 
     def __call__(
         self,
@@ -60,12 +64,15 @@ class MergeRooms:
         room_of_piece, rows = merged(problem, best.removed)
         pieces = runs_of(initial.piece)
         working = pieces.labelled(room_of_piece[pieces.label - 1]).image()
+        free = simplified.cells == FREE
         if self.straight_m > 0:
-            free, wall_rad = simplified.cells == FREE, wall_direction_rad(path)
+            wall_rad = wall_direction_rad(path)
             initial, working = set_straight(free, initial, working, rows, reach_m=self.straight_m, wall_rad=wall_rad)
+        if self.centre_m > 0 and problem.share_rough > HOMES_FROM:
+            initial, working = set_in_middle(free, initial, working, rows, most_m=self.centre_m)
         labels = whole(at_input(working, simplified.factor, grid.free))
         if not self.passages:
-            inner = at_input(simplified.cells == FREE, simplified.factor, grid.free)
+            inner = at_input(free, simplified.factor, grid.free)
             labels = handed_on(flooded(labels, inner), grid.free)
             if self.half_seen_m > 0:
                 labels = half_seen(labels, grid.free, ~grid.occupied, self.half_seen_m / grid.frame.resolution_m)

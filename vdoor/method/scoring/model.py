@@ -27,8 +27,8 @@ WIDE_M, WIDE_LOG_ODDS = (0.9, 1.05, 1.2, 1.35), (0.0, -0.8, -2.2, -3.0)
 """Prior on the length of doors in homes, added to its curve: 50 of 52 doors of real homes are 0.5 to 1.1 m long. The
 synthetic homes have more long doors, so that they are learned, and office floors have many."""
 HOMES_FROM, HOMES_TO = 0.5, 0.75
-"""Share of rough above which the prior counts, and from which it counts in full: homes have over 0.7, office floors up
-to 0.4."""
+"""Share of rough above which a map is one of a home, so that the prior counts, and from which it counts in full: homes
+have over 0.7, office floors up to 0.4."""
 
 
 @dataclass(frozen=True)

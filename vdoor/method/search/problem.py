@@ -36,6 +36,8 @@ class MergeProblem:
         self.edges = len(initial.door)
         self.regions = len(initial.area_m2)
         self.cost = cost if scores is None else cost.on_map(scores.share_rough)
+        self.share_rough = 0.0 if scores is None else scores.share_rough
+        """How rough the map is, 0 to 1."""
         self.cell_m2 = initial.frame.resolution_m**2
         bundle, self.cover_start, self.cover_edge = bundles(initial)
         count = self.regions + len(self.cover_start)
