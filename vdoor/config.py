@@ -82,6 +82,10 @@ def with_settings(pipeline: T, tables: Mapping[str, Any], choices: Choices, *, p
             _check_name(str(method), choices[name], f"{place}: {name}", METHOD)
             if type(stage) is not choices[name][method]:
                 stage = choices[name][method]()
+        for word in values if name in choices else ():
+            _check_name(
+                word, [METHOD, *(field.name for field in dataclasses.fields(stage))], f"{place}: {name}", "setting"
+            )
         changed[name] = replaced(stage, values, f"{place}: {name}")
     return dataclasses.replace(pipeline, **changed)  # type: ignore[type-var]  # any pipeline dataclass
 

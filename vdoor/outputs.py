@@ -169,7 +169,7 @@ class Progress:
         if self.verbose or now - self._last > QUIET_S:
             number = getattr(record, "number", None)
             which = record.topic if number is None else f"{record.topic} {number}"
-            say(f"{now - self._start:6.1f} s  {which} ({step + 1} records)")
+            say(f"{now - self._start:6.1f} s: {which} done, {step + 1} records")
             self._last = now
 
     def close(self) -> None:

@@ -80,7 +80,7 @@ def test_no_way_is_exit_code_1_and_says_what_is_in_the_way(flat: Path, command: 
         (["1", "Kitchen"], "goal: wanted a room's id, its name or X,Y, found 'Kitchen'"),
         (["1", "0,0"], "goal: wanted a place within 0.17 m of where the robot fits, found none near 0,0"),
         (["1", "4", "--closed", "7"], "closed: wanted one of the map's 4 doors, found 7"),
-        (["1", "4", "--export", "kml=a"], "--export: wanted FORMAT=FILE with csv, geojson, waypoints, found 'kml=a'"),
+        (["1", "4", "--export", "kml=a"], "--export: no format 'kml'; wanted one of csv, geojson, waypoints"),
         (["1", "4", "--mcap", "a.mcap"], "--save, --mcap: wanted a recording or a map, found a result folder"),
     ],
 )

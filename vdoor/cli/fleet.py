@@ -10,7 +10,7 @@ from typing import Annotated
 
 import typer
 
-from vdoor.errors import SettingError, say
+from vdoor.errors import SettingError, no_such, say
 
 PARTS = ("rates", "kills", "report", "model")
 
@@ -34,7 +34,7 @@ def fleet_bench(
     from vdoor.experiments import fleet_model as model
 
     if unknown := [name for name in part or () if name not in PARTS]:
-        raise SettingError(f"--part: wanted one of {', '.join(PARTS)}, found {unknown[0]!r}")
+        raise SettingError(f"--part: {no_such('part', unknown[0], PARTS)}")
     wanted = part or PARTS
     print(f"load {os.getloadavg()[0]:.1f} on {os.cpu_count()} cores before the start")
     with tempfile.TemporaryDirectory(prefix="vdoor-fleet-") as name:

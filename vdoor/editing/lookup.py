@@ -62,7 +62,8 @@ def find_door(topology: TopologicalMap, word: str, *, what: str = "door") -> Fou
     """
     if ID.fullmatch(word):
         if not 1 <= int(word) <= len(topology.doors):
-            raise SettingError(f"{what}: wanted one of the map's {len(topology.doors)} doors, found {word}")
+            count = len(topology.doors)
+            raise SettingError(f"{what}: wanted one of the map's {count} door{'s' * (count != 1)}, found {word}")
         door = topology.door(int(word))
         return FoundDoor(door, middle_m(door))
     place_m = parse_place(word, what=what, wanted="a door's id or X,Y")

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from vdoor.errors import SettingError
+from vdoor.errors import SettingError, no_such
 from vdoor.evaluate.cases import Cases
 from vdoor.evaluate.door_places import TOLERANCES_M, Doors
 from vdoor.evaluate.evaluation import Evaluation, means, pooled
@@ -128,7 +128,7 @@ def shortfalls(figures: dict[str, float], wanted: Sequence[str]) -> list[str]:
     for text in wanted:
         name, _, least = text.partition("=")
         if name not in figures:
-            raise SettingError(f"--min: wanted a figure of {', '.join(figures)}, found {name!r}")
+            raise SettingError(f"--min: {no_such('figure', name, figures)}")
         try:
             limit = float(least)
         except ValueError:

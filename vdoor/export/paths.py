@@ -11,7 +11,7 @@ import numpy as np
 import yaml
 from numpy.typing import NDArray
 
-from vdoor.errors import SettingError
+from vdoor.errors import SettingError, no_such
 from vdoor.export.geojson import collection_text, feature
 from vdoor.export.geometry import to_mm
 from vdoor.partial import write_whole
@@ -76,8 +76,10 @@ class PathExport:
     def parse(cls, text: str, names: Iterable[str]) -> PathExport:
         """The export of FORMAT=FILE with one of the formats `names`; `SettingError` for any other text."""
         name, equals, path = text.partition("=")
-        if not equals or not path or name not in names:
+        if not equals or not path:
             raise SettingError(f"--export: wanted FORMAT=FILE with {', '.join(names)}, found {text!r}")
+        if name not in names:
+            raise SettingError(f"--export: {no_such('format', name, names)}")
         return cls(name, Path(path))
 
     def write(self, text: str) -> Path:

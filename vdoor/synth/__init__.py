@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from vdoor.errors import SettingError
+from vdoor.errors import SettingError, no_such
 from vdoor.synth.apartment import draw_apartment
 from vdoor.synth.home import draw_home
 from vdoor.synth.laser_home import draw_laser_home
@@ -57,7 +57,7 @@ PRESETS: Mapping[str, Any] = MappingProxyType(  # Any: each kind has settings of
 def kind_named(kind: str) -> Any:
     """The preset of a kind; `SettingError` for others."""
     if kind not in PRESETS:
-        raise SettingError(f"--kind: wanted one of {', '.join(PRESETS)}, found {kind!r}")
+        raise SettingError(f"--kind: {no_such('kind', kind, PRESETS)}")
     return PRESETS[kind]
 
 
