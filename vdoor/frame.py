@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-LEAST_DECIMALS = 3
+LEAST_DECIMALS, MOST_DECIMALS = 3, 9
+FINE_M = 0.01
 
 
 @dataclass(frozen=True)
@@ -32,8 +33,8 @@ class Frame:
 
         Centres and sides of cells keep to what they are in maps whose cells are whole millimetres and do not lie askew.
         """
-        fine = 0 < self.resolution_m < 1
-        return min(max(LEAST_DECIMALS, math.ceil(-math.log10(self.resolution_m)) + 1), 9) if fine else LEAST_DECIMALS
+        fine = 0 < self.resolution_m < FINE_M
+        return min(math.ceil(-math.log10(self.resolution_m)) + 2, MOST_DECIMALS) if fine else LEAST_DECIMALS
 
     def world_from_cell(self, cells: NDArray[Any]) -> NDArray[np.float64]:
         """Map coordinates x, y (k, 2) of points row, col (k, 2); integers are cell centres."""

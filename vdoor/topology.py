@@ -38,7 +38,7 @@ class Corner:
 
 @dataclass(frozen=True)
 class Room:
-    """One room, in the map frame."""
+    """One room, in the map frame, its numbers rounded as in `TopologicalMap.written`."""
 
     id: int
     area_m2: float
@@ -72,7 +72,7 @@ class Room:
 
 @dataclass(frozen=True)
 class Door:
-    """One door, in the map frame."""
+    """One door, in the map frame, its numbers rounded as in `TopologicalMap.written`."""
 
     id: int
     rooms: tuple[int, int]

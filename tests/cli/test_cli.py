@@ -137,7 +137,7 @@ def test_force_overwrites(tmp_path: Path) -> None:
         (["run", FLAT, "--resolution", "0.05"], "0.05"),
         (["run", FLAT, "--robot", "1"], "X,Y"),
         (["run", FLAT, "--robot", "500,500"], "500,500"),
-        (["run", FLAT, "--set", "search.method=exhaustive", "--set", "search.most_edges=1"], "annealing"),
+        (["run", FLAT, "-q", "--set", "search.method=exhaustive", "--set", "search.most_edges=1"], "annealing"),
         (["run", FLAT, "--mcap", "missing/folder/out.mcap"], "missing/folder"),
         (["run", FLAT, "--save", "missing/folder/out.rrd"], "missing/folder"),
         (["run", FLAT, "--mcap", "same", "--save", "same"], "twice"),

@@ -22,6 +22,7 @@ import rmf_loader
 import shapely
 import yaml
 from hypothesis import given, settings
+from labelled_maps import labelled
 from maps import CELL_M, Cells, law, small_maps, with_search
 from PIL import Image
 
@@ -397,3 +398,12 @@ def test_formats_are_told_apart_and_wrong_ones_refused() -> None:
 def test_pairs_of_rooms_may_have_two_doors() -> None:
     doors = finished_maps.topology("pillars").doors
     assert any(one.rooms == other.rooms for one, other in itertools.combinations(doors, 2))
+
+
+def test_small_cells_stay_apart_in_every_text() -> None:
+    topology = labelled("111222\n" * 3, ((1, 2), (1, 2.5)), cell_m=0.0025)
+    assert topology.frame.decimals == 5
+    areas_m2 = [shapely.geometry.shape(told["geometry"]).area for told in features(topology, "room")]
+    assert areas_m2 == pytest.approx([9 * 0.0025**2] * 2, rel=1e-9)
+    (door,) = features(topology, "door")
+    assert door["geometry"]["coordinates"] == [[0.0075, 0.005], [0.0075, 0.0025]]

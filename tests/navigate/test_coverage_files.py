@@ -75,4 +75,4 @@ def test_zones_cover_the_rooms_in_their_order(files: Path) -> None:
 def test_a_route_has_no_lanes(tmp_path: Path) -> None:
     done = commands.Command()("route", FLAT, "1", "2", f"--export=lanes={tmp_path / 'lanes'}")
     assert done.code == 2
-    assert "--export: wanted FORMAT=FILE with csv, geojson, waypoints, found 'lanes=" in done.err
+    assert "--export: no format 'lanes'; wanted one of csv, geojson, waypoints" in done.err

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import yaml
 
-from vdoor.export.geometry import to_mm
+from vdoor.export.geometry import rounded_m
 from vdoor.export.valetudo import clean
 from vdoor.navigate.cover_floor import Coverage
 from vdoor.navigate.coverage.path import KINDS
@@ -30,7 +30,7 @@ def to_fields(coverage: Coverage, topology: TopologicalMap) -> str:
 
 
 def _field(polygon_m: Polygon) -> dict[str, Any]:
-    polygons = [{"coordinates": [{"axis1": x_m, "axis2": y_m} for x_m, y_m in map(to_mm, ring)]} for ring in polygon_m]
+    polygons = [{"coordinates": [{"axis1": x_m, "axis2": y_m} for x_m, y_m in ring]} for ring in polygon_m]
     return {"use_gml_file": False, "polygons": polygons, "frame_id": FRAME}
 
 
@@ -39,7 +39,7 @@ def to_lanes(coverage: Coverage, topology: TopologicalMap) -> str:
     del topology
     ends = np.flatnonzero(coverage.purpose == LANE)
     ends = ends[ends > 0]
-    points = [[*to_mm(point_m), 0.0] for point_m in coverage.point_m]
+    points = [[*rounded_m(point_m), 0.0] for point_m in coverage.point_m]
     swaths = [{"start": _named(points[end - 1]), "end": _named(points[end])} for end in ends.tolist()]
     ways = zip(ends[:-1].tolist(), ends[1:].tolist(), strict=True)
     turns = [_way(coverage, first, last) for first, last in ways]
@@ -62,7 +62,7 @@ def _way(coverage: Coverage, first: int, last: int) -> dict[str, Any]:
     poses = []
     for point_m, yaw_rad in zip(coverage.point_m[first:last], coverage.yaw_rad[first:last].tolist(), strict=True):
         turned = rounded({"x": 0.0, "y": 0.0, "z": math.sin(yaw_rad / 2), "w": math.cos(yaw_rad / 2)})
-        pose = {"position": _named([*to_mm(point_m), 0.0]), "orientation": turned}
+        pose = {"position": _named([*rounded_m(point_m), 0.0]), "orientation": turned}
         poses.append({"header": {"frame_id": FRAME}, "pose": pose})
     return {"header": {"frame_id": FRAME}, "poses": poses}
 

@@ -6,7 +6,7 @@ import json
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from vdoor.export.geometry import Point, line_m, refuse_not_finite, right_handed, to_mm
+from vdoor.export.geometry import line_m, refuse_not_finite, right_handed
 from vdoor.topology import Door, Room, TopologicalMap
 
 
@@ -19,20 +19,14 @@ def to_geojson(topology: TopologicalMap) -> str:
     refuse_not_finite(topology)
     rooms = [feature(*_shape(room), _room(room), id=f"room-{room.id}") for room in topology.rooms]
     doors = [
-        feature("LineString", _in_mm(line_m(topology, door)), _door(door), id=f"door-{door.id}")
-        for door in topology.doors
+        feature("LineString", line_m(topology, door), _door(door), id=f"door-{door.id}") for door in topology.doors
     ]
     return collection_text("vdoor", [*rooms, *doors])
 
 
-def _in_mm(points_m: Iterable[Point]) -> tuple[Point, ...]:
-    """Points rounded to the millimetre."""
-    return tuple(map(to_mm, points_m))
-
-
 def _shape(room: Room) -> tuple[str, tuple[Any, ...]]:
     """The kind of geometry and its coordinates: a polygon, or several for a room of several parts."""
-    parts = tuple(tuple(_in_mm(ring) for ring in right_handed(part)) for part in room.parts_m)
+    parts = tuple(map(right_handed, room.parts_m))
     return ("Polygon", parts[0]) if len(parts) == 1 else ("MultiPolygon", parts)
 
 

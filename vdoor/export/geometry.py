@@ -10,16 +10,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vdoor.errors import SettingError, VdoorError
+from vdoor.frame import LEAST_DECIMALS
 from vdoor.topology import Door, Polygon, TopologicalMap, signed_area_m2
 
 Point = tuple[float, float]
 Line = tuple[Point, Point]
 
 
-def to_mm(place_m: Sequence[float] | NDArray[np.float64]) -> Point:
-    """A point x, y rounded to the millimetre: maps are not more exact, and people read the numbers."""
+def rounded_m(place_m: Sequence[float] | NDArray[np.float64], decimals: int = LEAST_DECIMALS) -> Point:
+    """A point x, y rounded to what it is worth: maps are not more exact, and people read the numbers."""
     x_m, y_m = place_m
-    return round(float(x_m), 3) + 0.0, round(float(y_m), 3) + 0.0  # no -0.0
+    return round(float(x_m), decimals) + 0.0, round(float(y_m), decimals) + 0.0  # no -0.0
 
 
 def line_m(topology: TopologicalMap, door: Door) -> Line:
@@ -38,8 +39,8 @@ def line_m(topology: TopologicalMap, door: Door) -> Line:
         between_rows = abs(start[0] - round(start[0])) > 0.25  # noqa: PLR2004  # the difference is 0.5 or 0
         span = np.array([0.0, 1.0]) if between_rows else np.array([1.0, 0.0])
     more = span / math.hypot(*span) * short / 2
-    (x_m, y_m), (to_x_m, to_y_m) = topology.frame.world_from_cell(np.stack([start - more, end + more])).tolist()
-    return (x_m, y_m), (to_x_m, to_y_m)
+    one, other = topology.frame.world_from_cell(np.stack([start - more, end + more]))
+    return rounded_m(one, topology.frame.decimals), rounded_m(other, topology.frame.decimals)
 
 
 def right_handed(polygon_m: Polygon) -> Polygon:

@@ -11,7 +11,7 @@ import numpy as np
 
 from vdoor.errors import VdoorError
 from vdoor.export.geojson import collection_text, feature
-from vdoor.export.geometry import Point, refuse_not_finite, to_mm
+from vdoor.export.geometry import Point, refuse_not_finite, rounded_m
 from vdoor.grid import Annotations
 from vdoor.navigate import NAV2_RADIUS_M
 from vdoor.navigate.roadmap import Edge, Node, Roadmap, roadmap_of
@@ -48,7 +48,8 @@ def to_nav2_route(
     if not graph.edges:
         raise VdoorError(f"route graph: wanted two places for a robot of radius {radius_m:g} m, found one")
     ids = _ids(topology, graph)
-    places = [to_mm(place) for place in topology.frame.world_from_cell(np.array([node.place for node in graph.nodes]))]
+    places_m = topology.frame.world_from_cell(np.array([node.place for node in graph.nodes]))
+    places = [rounded_m(place_m, topology.frame.decimals) for place_m in places_m]
     points = [
         feature("Point", place, {"id": number, "frame": FRAME, "metadata": _about_node(topology, node)})
         for number, place, node in zip(ids, places, graph.nodes, strict=True)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from vdoor.errors import SettingError, no_such
 from vdoor.export.geojson import collection_text, feature
-from vdoor.export.geometry import to_mm
+from vdoor.export.geometry import rounded_m
 from vdoor.partial import write_whole
 from vdoor.rounding import rounded
 
@@ -40,7 +40,7 @@ def to_csv(path: DrivenPath) -> str:
 
 def to_path_geojson(path: DrivenPath) -> str:
     """A feature collection with one LineString in metres of the map frame; of one point, a line of no length."""
-    points = [*map(to_mm, path.point_m)]
+    points = [*map(rounded_m, path.point_m)]
     line = points if len(points) > 1 else points * 2
     return collection_text("vdoor path", [feature("LineString", line, {"type": "path", **rounded(path.properties)})])
 
@@ -49,7 +49,7 @@ def to_waypoints(path: DrivenPath) -> str:
     """Waypoints as the Nav2 panel of RViz saves and loads them: pose x, y, z and orientation w, x, y, z."""
     waypoints = {
         f"waypoint{number}": {
-            "pose": [*to_mm(point_m), 0.0],
+            "pose": [*rounded_m(point_m), 0.0],
             "orientation": rounded([math.cos(yaw_rad / 2), 0.0, 0.0, math.sin(yaw_rad / 2)]),
         }
         for number, (point_m, yaw_rad) in enumerate(zip(path.point_m, path.yaw_rad.tolist(), strict=True))

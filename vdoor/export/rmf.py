@@ -8,7 +8,7 @@ from typing import Any
 
 import yaml
 
-from vdoor.export.geometry import Point, line_m, refuse_not_finite, to_mm
+from vdoor.export.geometry import Point, line_m, refuse_not_finite, rounded_m
 from vdoor.export.routes import Doorway, doorways
 from vdoor.topology import Room, TopologicalMap
 
@@ -44,6 +44,8 @@ def to_rmf(topology: TopologicalMap) -> str:
                 lanes += _both_ways(*ends)
             before.append(first)
         lanes += _both_ways(*before, door_name=_name(way))
+    decimals = topology.frame.decimals
+    vertices = [[*rounded_m((x_m, y_m), decimals), about] for x_m, y_m, about in vertices]
     doors = {_name(way): {"endpoints": _points(topology, way), "map": LEVEL} for way in ways}
     document = {
         "building_name": "vdoor",
@@ -65,7 +67,7 @@ def _name(way: Doorway) -> str:
 
 
 def _vertex(place_m: Point, name: str) -> list[Any]:
-    return [*to_mm(place_m), {"name": name}]
+    return [*place_m, {"name": name}]
 
 
 def _both_ways(one: int, other: int, **options: str) -> list[list[Any]]:
@@ -73,4 +75,4 @@ def _both_ways(one: int, other: int, **options: str) -> list[list[Any]]:
 
 
 def _points(topology: TopologicalMap, way: Doorway) -> list[list[float]]:
-    return [[*to_mm(point)] for point in line_m(topology, way.door)]
+    return [[*point_m] for point_m in line_m(topology, way.door)]
