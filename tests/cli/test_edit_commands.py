@@ -131,7 +131,7 @@ def test_edit_that_is_done_already_is_not_kept(result: Path, command: Command) -
         (("door", "remove", "R", "2,2"), "no door there"),
         (("door", "remove", "R", "Den"), "door: wanted a door's id or X,Y, found 'Den'"),
         (("door", "open", "R", "1"), "wanted add or remove, found 'open'"),
-        (("rename", "NONE", "1", "A"), "cannot be read"),
+        (("rename", "NONE", "1", "A"), "found none"),
     ],
 )
 def test_edit_that_cannot_be_done_is_one_line_and_2(

@@ -28,6 +28,7 @@ FLAT = project.HOME / "recordings" / "flat.yaml"
         (("shot", "res", "-o", "p"), "found a result folder; `vdoor run MAP --mcap FILE` writes one: res"),
         (("export", "x.png", "--to", "svg"), "found a PNG image; `vdoor run MAP --out FOLDER` makes a folder: x.png"),
         (("export", "x.mcap", "--to", "nav2"), "did you mean 'nav2-route'?"),
+        (("rooms", "nothere"), "result: wanted a folder from `vdoor run --out` or an .mcap, found none: nothere"),
         (("valetudo", "res"), "valetudo: wanted one of --clean, --segments, --keep-in, found 0: res"),
         (("batch", "report"), "found none; `vdoor batch report DIR` takes the folder of a batch"),
         (("sweep", "bias=1"), "did you mean cost.bias=1?"),
@@ -157,6 +158,11 @@ def test_words_that_make_no_command_are_told_in_one_line(
     done = command(*words)
     assert (done.code, done.out) == (2, "")
     assert commands.one_line(done).startswith(f"vdoor: {says}")
+
+
+def test_help_has_a_short_name(command: commands.Command) -> None:
+    assert command("-h").out == command("--help").out
+    assert command("route", "-h").out == command("route", "--help").out
 
 
 def test_the_command_alone_shows_its_help(command: commands.Command) -> None:

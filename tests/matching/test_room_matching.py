@@ -299,7 +299,7 @@ def test_edits_of_a_file_take_the_place_of_the_older_ones(older: Path, command: 
         (lambda folder: change(folder, settings={"edit": {"edits": ["paint 1,1"]}}), "wanted one of name, number"),
         (lambda folder: change(folder, settings={"edit": {"taken": -1}}), "taken: wanted 0 to 65535, found -1"),
         (lambda folder: change(folder, settings={"edit": {"colour": 1}}), "no setting 'colour'"),
-        (shutil.rmtree, "cannot be read"),
+        (shutil.rmtree, "found none"),
     ],
 )
 def test_older_map_that_is_none_is_one_line_and_2(spoil: Any, says: str, older: Path) -> None:

@@ -11,6 +11,7 @@ from typing import Annotated, Any
 import typer
 
 from vdoor import __version__
+from vdoor.cli.commands import HELP
 from vdoor.cli.groups import Grouped
 from vdoor.errors import VdoorError, say
 
@@ -18,6 +19,7 @@ app = typer.Typer(
     cls=Grouped,
     help="Rooms and doors from occupancy grid maps, with every stage recorded.",
     no_args_is_help=True,
+    context_settings=HELP,
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
 )

@@ -60,8 +60,9 @@ COMMANDS = (
 )
 """Name, module, example; the function has the command's name."""
 WITH_PLACES = ("room-at", "route", "cover", "order", "rename", "split", "merge", "door")
-CONTEXTS = {name: {"ignore_unknown_options": True} for name in WITH_PLACES}
+CONTEXTS: dict[str, dict[str, Any]] = {name: {"ignore_unknown_options": True} for name in WITH_PLACES}
 """Places such as -1.2,3.4 begin with a minus and are not options."""
+HELP = {"help_option_names": ["-h", "--help"]}
 
 
 class Commands(Mapping[str, Any]):
@@ -78,7 +79,7 @@ class Commands(Mapping[str, Any]):
                 name,
                 callback=self.function(name),
                 epilog=f"Example: {self._rows[name][1]}",
-                context_settings=CONTEXTS.get(name),
+                context_settings=CONTEXTS.get(name, {}) | HELP,
             )
             self._built[name] = get_command_from_info(info, pretty_exceptions_short=True, rich_markup_mode=None)
         return self._built[name]

@@ -55,6 +55,8 @@ def read_finished(path: str | Path, *, provenance: bool = False) -> Finished:
     Raises `VdoorError` if it is missing or damaged, or if its files do not belong together.
     """
     path = Path(path)
+    if not path.exists():
+        raise VdoorError(f"result: wanted a folder from `vdoor run --out` or an .mcap, found none: {path}")
     if path.is_file() and path.suffix != ".mcap" and (kind := kind_of(path)) != "an MCAP recording":
         advice = "`vdoor run MAP --out FOLDER` makes a folder"
         raise VdoorError(f"result: wanted a folder from `vdoor run --out` or an .mcap, found {kind}; {advice}: {path}")
