@@ -54,6 +54,8 @@ COLOURS = {
     "Scores": "Pink lines join doors of which only one can be kept.",
     "Initial map": "Blue: doors. Yellow: the regions' nodes. Red: the graph's links.",
     "Search": "Red: kept. Greyish blue: removed.",
+    "Route": "Blue: the route. Dark blue: its start, stops and goal. Red: doors, and what is in the way.",
+    "Coverage": "Light blue: swept. Violet: along walls. Blue: in lanes. Red: on the way to the next, and doors.",
     "Rooms": "Red: doors with their numbers, and the links of the graph. Yellow: rooms with their numbers and areas.",
 }
 """What colours mean in the viewer, which has no legend."""
