@@ -7,8 +7,8 @@ RUN pip wheel --no-cache-dir --no-deps --wheel-dir /wheels .
 
 FROM python:3.11-slim
 COPY --from=wheel /wheels /wheels
-RUN pip install --no-cache-dir /wheels/*.whl && rm -r /wheels && useradd --create-home vdoor
-USER vdoor
+RUN pip install --no-cache-dir /wheels/*.whl && rm -r /wheels && useradd --uid 1000 --create-home vdoor
+USER 1000
 WORKDIR /maps
 ENTRYPOINT ["vdoor"]
 CMD ["--help"]

@@ -50,6 +50,11 @@ def settings_of(pipeline: object, choices: Choices) -> dict[str, dict[str, Any]]
     return {name: table for name, table in tables.items() if getattr(getattr(pipeline, name), "asked", True)}
 
 
+def full_names(settings: Mapping[str, Mapping[str, Any]], field: str) -> list[str]:
+    """The settings of that name, each as `stage.field`."""
+    return [f"{stage}.{field}" for stage, table in settings.items() if field in table]
+
+
 def all_settings_of(pipeline: object, choices: Choices) -> dict[str, dict[str, Any]]:
     """The settings of all stages as nested tables, whether a run has them or not."""
     tables: dict[str, dict[str, Any]] = {}

@@ -8,6 +8,9 @@ from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+LEAST_BEGUN = 3
+"""Letters by which a name can be meant that begins with them."""
+
 
 class VdoorError(ValueError):
     """Wrong use or input; the message gives the place, what was wanted, what was found, and the path last."""
@@ -42,8 +45,10 @@ def naming(path: Path, kind: type[VdoorError] = VdoorError) -> Iterator[None]:
 def no_such(what: str, word: str, known: Iterable[str]) -> str:
     """Text for a word that is none of the known ones: the one that was probably meant, or all of them."""
     known = list(known)
-    close = difflib.get_close_matches(word.lower(), [name.lower() for name in known], n=1)
-    meant = next((name for name in known if close and name.lower() == close[0]), "")
+    lower = {name.lower(): name for name in known}
+    begun = [name for name in lower if len(word) >= LEAST_BEGUN and name.startswith(word.lower())]
+    close = difflib.get_close_matches(word.lower(), lower, n=1) or begun
+    meant = lower[close[0]] if close else ""
     hint = f"did you mean {meant!r}?" if meant else f"wanted one of {', '.join(known)}"
     return f"no {what} {word!r}; {hint}"
 

@@ -9,6 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+LEAST_DECIMALS = 3
+
 
 @dataclass(frozen=True)
 class Frame:
@@ -23,6 +25,15 @@ class Frame:
     x_m: float = 0.0
     y_m: float = 0.0
     yaw_rad: float = 0.0
+
+    @property
+    def decimals(self) -> int:
+        """Decimals of coordinates in metres that are worth writing: millimetres, and more for cells under a centimetre.
+
+        Centres and sides of cells keep to what they are in maps whose cells are whole millimetres and do not lie askew.
+        """
+        fine = 0 < self.resolution_m < 1
+        return min(max(LEAST_DECIMALS, math.ceil(-math.log10(self.resolution_m)) + 1), 9) if fine else LEAST_DECIMALS
 
     def world_from_cell(self, cells: NDArray[Any]) -> NDArray[np.float64]:
         """Map coordinates x, y (k, 2) of points row, col (k, 2); integers are cell centres."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
@@ -20,6 +21,9 @@ if TYPE_CHECKING:
 
 KINDS = ("pair", "single", "passage", "extension", "added", "sill")
 """Kinds of doors, explained at `Door.kind`."""
+TILT_DECIMALS = 2
+POINTS_AND_LENGTHS = ("start_m", "end_m", "length_m", "width_m", "feature_m", "vertex_m")
+"""The columns in metres."""
 Ring = tuple[tuple[float, float], ...]
 Polygon = tuple[Ring, ...]
 
@@ -132,7 +136,23 @@ class TopologicalMap(Record):
         """One line: how many rooms and doors, and how large."""
         rooms, doors, frame = len(self.area_m2), len(self.kind), self.frame
         size = f"{frame.width} x {frame.height} cells of {frame.resolution_m:g} m"
-        return f"TopologicalMap({rooms} rooms, {doors} doors, {self.area_m2.sum():.1f} m2, {size})"
+        return f"TopologicalMap({rooms} rooms, {doors} doors, {self.total_m2:.1f} m2, {size})"
+
+    @cached_property
+    def written(self) -> TopologicalMap:
+        """The map with its numbers rounded as files and `rooms` and `doors` have them: see `Frame.decimals`.
+
+        Areas have a decimal more. What is read from a file is the same again.
+        """
+        decimals, tilt_deg = self.frame.decimals, np.degrees(self.tilt_rad).round(TILT_DECIMALS)
+        points = {name: getattr(self, name).round(decimals) + 0.0 for name in POINTS_AND_LENGTHS}  # no -0.0
+        area_m2 = self.area_m2.round(decimals + 1)
+        return dataclasses.replace(self, **points, area_m2=area_m2, tilt_rad=np.radians(tilt_deg))
+
+    @property
+    def total_m2(self) -> float:
+        """The area of all rooms, rounded like theirs."""
+        return round(float(self.area_m2.sum()), self.frame.decimals + 1)
 
     @property
     def doors(self) -> list[Door]:
@@ -200,11 +220,11 @@ class TopologicalMap(Record):
         return Door(
             id=row + 1,
             rooms=(int(self.room_a[row]), int(self.room_b[row])),
-            start_m=_point(self.start_m[row]),
-            end_m=_point(self.end_m[row]),
-            length_m=float(self.length_m[row]),
-            width_m=float(self.width_m[row]),
-            tilt_deg=float(np.degrees(self.tilt_rad[row])),
+            start_m=_point(self.written.start_m[row]),
+            end_m=_point(self.written.end_m[row]),
+            length_m=float(self.written.length_m[row]),
+            width_m=float(self.written.width_m[row]),
+            tilt_deg=round(float(np.degrees(self.tilt_rad[row])), TILT_DECIMALS),
             kind=KINDS[self.kind[row]],
         )
 
@@ -212,8 +232,8 @@ class TopologicalMap(Record):
         room = self.room_ids[row]
         return Room(
             id=room,
-            area_m2=float(self.area_m2[row]),
-            centre_m=_point(self.frame.world_from_cell(self.centre[row])[0]),
+            area_m2=float(self.written.area_m2[row]),
+            centre_m=_point(self.frame.world_from_cell(self.centre[row])[0].round(self.frame.decimals) + 0.0),
             polygon_m=self.polygon_m(room),
             neighbours=self.neighbours(room),
             corners=self.corners(room),
@@ -223,14 +243,14 @@ class TopologicalMap(Record):
     def polygon_m(self, room: int) -> Polygon:
         """The rings of one room as x, y, the outer one first."""
         own = self.vertex_room == room
-        ring, vertex_m = self.vertex_ring[own], self.vertex_m[own]
+        ring, vertex_m = self.vertex_ring[own], self.written.vertex_m[own]
         rings = np.split(vertex_m, np.flatnonzero(np.diff(ring)) + 1) if len(ring) else []
         return tuple(tuple((x_m, y_m) for x_m, y_m in points.tolist()) for points in rings)
 
     def corners(self, room: int) -> tuple[Corner, ...]:
         """The corners on one room's boundary, in the order of the boundary path."""
         own = np.flatnonzero(self.feature_room == room)
-        return tuple(Corner(_point(self.feature_m[row]), bool(self.feature_convex[row])) for row in own)
+        return tuple(Corner(_point(self.written.feature_m[row]), bool(self.feature_convex[row])) for row in own)
 
     def neighbours(self, room: int) -> tuple[int, ...]:
         """The ids of the rooms that share a door with this one, sorted."""

@@ -31,6 +31,7 @@ def test_every_room_and_door_is_found_by_each_of_its_words() -> None:
     [
         ("77", "--room: wanted one of 1, 2, 3, 4, 5, found 77"),
         ("Kichen", "--room: wanted a room's id, its name or X,Y, found 'Kichen'; did you mean 'Kitchen'?"),
+        ("hALL", "--room: wanted a room's id, its name or X,Y, found 'hALL'; did you mean 'Hall'?"),
         ("-9,-9", "--room: wanted a point in a room, found none at -9,-9"),
         ("Hall", "--room: wanted one room, found 'Hall' as the name of rooms 2, 3"),
         ("", "--room: wanted a room's id, its name or X,Y, found ''"),

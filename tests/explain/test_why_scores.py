@@ -101,7 +101,7 @@ def test_outdone_doors_name_the_better_one(tmp_path: Path) -> None:
     assert {fate.fate for fate in fates} == {"outdone"}
     scores = [fate.score for fate in fates]
     assert all(score is not None and score.suppressed_by == 0 for score in scores)
-    assert "outdone by door 0 at the same place, log-odds +2.50: left out of the search" in text_of(path, count=6)
+    assert "outdone by virtual door 0 at the same place, log-odds +2.50: left out of the" in text_of(path, count=6)
 
 
 def test_conflicts_are_listed_by_which_door_was_kept(tmp_path: Path) -> None:
@@ -113,9 +113,9 @@ def test_conflicts_are_listed_by_which_door_was_kept(tmp_path: Path) -> None:
     assert [(rival.door, rival.kept) for rival in scores[0].conflicts] == [(door, False) for door in SINGLES]
     assert scores[1].conflicts[0] == Conflict(door=0, log_odds=float(run.scores.log_odds[0]), kept=True)
     text = text_of(path, count=6)
-    singles = ", ".join(f"door {door} ({BIAS + SINGLE_SAYS:+.2f})" for door in SINGLES)
-    assert f"conflicts: {singles} removed\n" in text
-    assert "conflicts: door 0 (+2.50) kept instead; " in text
+    singles = ", ".join(f"{door} ({BIAS + SINGLE_SAYS:+.2f})" for door in SINGLES)
+    assert f"conflicts: virtual doors {singles} removed\n" in text
+    assert "conflicts: virtual door 0 (+2.50) kept instead; " in text
 
 
 def test_command_tells_scores_as_text_and_json(two_rooms: Path) -> None:

@@ -33,7 +33,6 @@ from vdoor.export.geometry import line_m
 from vdoor.grid import FREE, OCCUPIED, OccupancyGrid
 from vdoor.method.search.optimisers import AnnealingSearch
 from vdoor.pipeline import PRESETS
-from vdoor.results.reading import _radians
 from vdoor.topology import TopologicalMap
 
 example = pytest.mark.parametrize("name", finished_maps.NAMES)
@@ -352,10 +351,18 @@ def test_exports_from_a_result_folder_are_those_of_the_map_itself(name: str, tmp
         assert [file.read_bytes() for file in wanted.write(again)] == before, writer.name
 
 
-def test_an_angle_read_from_degrees_is_told_as_the_same_degrees() -> None:
-    angle_deg = np.degrees(np.random.default_rng(1).uniform(0, np.pi / 4, 10_000))
-    assert (np.degrees(np.radians(angle_deg)) != angle_deg).any()
-    assert np.array_equal(np.degrees(_radians(angle_deg)), angle_deg)
+@pytest.mark.parametrize("cell_m", [0.2, 0.05, 0.004])
+def test_rounding_a_map_once_more_changes_nothing_and_keeps_every_cell(cell_m: float) -> None:
+    grid = finished_maps.grid("pillars")
+    askew = dataclasses.replace(grid, frame=dataclasses.replace(grid.frame, resolution_m=cell_m))
+    topology = dataclasses.replace(finished_maps.topology("pillars"), frame=askew.frame)
+    points_m = askew.frame.world_from_cell(np.arange(26).reshape(13, 2) / 2)
+    drawn = dataclasses.replace(topology, feature_m=np.resize(points_m, topology.feature_m.shape))
+    once = drawn.written
+    for name in ("start_m", "length_m", "area_m2", "tilt_rad", "vertex_m", "feature_m"):
+        assert np.array_equal(getattr(once.written, name), getattr(once, name)), name
+    apart_cells = askew.frame.cell_from_world(once.feature_m) - askew.frame.cell_from_world(drawn.feature_m)
+    assert 0 < np.abs(apart_cells).max() < 0.05
 
 
 @settings(law, max_examples=12)

@@ -70,7 +70,7 @@ def test_rooms_and_doors_are_those_of_the_map(name: str) -> None:
     assert [room["id"] for room in page["rooms"]] == [room.id for room in topology.rooms]
     for room, line in zip(topology.rooms, page["rooms"], strict=True):
         outer, *holes = rings(line["d"])
-        assert Polygon(outer, holes).area == pytest.approx(np.count_nonzero(topology.labels == room.id))
+        assert Polygon(outer, holes).area == pytest.approx(np.count_nonzero(topology.labels == room.id), rel=1e-4)
         col, row = (int(value) for value in line["at"])
         assert topology.labels[row, col] == room.id
     for door, line in zip(topology.doors, page["doors"], strict=True):
@@ -80,7 +80,7 @@ def test_rooms_and_doors_are_those_of_the_map(name: str) -> None:
     x_m, y_m, *axes = page["world_m"]
     col, row = page["rooms"][0]["at"]
     place_m = np.array([x_m, y_m]) + np.array(axes).reshape(2, 2).T @ (col, row)
-    assert place_m == pytest.approx(topology.rooms[0].centre_m)
+    assert place_m == pytest.approx(topology.rooms[0].centre_m, abs=1e-3)
 
 
 def test_every_stage_has_a_layer() -> None:
@@ -88,7 +88,7 @@ def test_every_stage_has_a_layer() -> None:
     page = told(to_report(topology, provenance))
     assert [layer["id"] for layer in page["layers"]] == STAGES.split()[:-1]  # nothing is left out
     assert page["curve"]["number"] == [0, 1, 2, 3]
-    assert page["curve"]["best"] == [provenance.run.search[number].best_cost for number in range(4)]
+    assert page["curve"]["best"] == [round(provenance.run.search[number].best_cost, 6) for number in range(4)]
     assert {(stage, name): value for stage, name, value in page["settings"]}["search", "generations"] == "3"
     assert ["generation", "number", "3"] in page["numbers"]
 

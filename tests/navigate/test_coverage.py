@@ -30,6 +30,8 @@ from vdoor.topology import TopologicalMap
 
 CELL_M = 0.05
 RADIUS_M, TOOL_M = 0.17, 0.30
+ROOM_1, ROOM_2 = "1.0,1.0", "4.0,1.0"
+"""Places in the rooms of the house."""
 Mapped = tuple[OccupancyGrid, TopologicalMap]
 
 
@@ -250,11 +252,12 @@ def test_a_passage_one_cell_wide_is_passed_by_a_robot_that_fits() -> None:
     assert least_clearance_m(found, ~grid.free) >= 0.02 - 1e-6
 
 
-@pytest.mark.parametrize("asked", [{"avoid": ("2",)}, {"closed": ("1",)}])
+@pytest.mark.parametrize("asked", [{"avoid": ("2",)}, {"avoid": (ROOM_2,)}, {"rooms": (ROOM_1,)}, {"closed": ("1",)}])
 def test_avoided_rooms_and_rooms_behind_closed_doors_are_not_swept(asked: dict[str, tuple[str, ...]]) -> None:
     grid, topology = house()
     found = covered((grid, topology), start="1", **asked)
     assert found.visit_room.tolist() == [1]
+    assert found.missed.tolist() == ([2] if "closed" in asked else [])
     assert not found.swept[:, 60:].any()
 
 
@@ -310,7 +313,7 @@ def test_a_path_begins_at_the_start_and_ends_there_or_anywhere(start: str) -> No
     [
         ({"start": "0.01,0.01"}, "start: wanted a place within 0.17 m of where the robot fits"),
         ({"rooms": ("7",)}, "rooms: "),
-        ({"rooms": ("1.0,1.0",)}, "rooms: wanted"),
+        ({"rooms": ("0.01,0.01",)}, "rooms: wanted a point in a room, found none"),
         ({"radius_m": 2.0}, "radius_m: wanted a robot that fits into a room"),
         ({"unit": "house"}, "unit: wanted room or map, found 'house'"),
     ],

@@ -6,7 +6,7 @@ import contextlib
 import io
 import os
 import sys
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -22,6 +22,8 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 
+USAGE: type[Exception] = next(kind for kind in typer.BadParameter.__mro__ if kind.__name__ == "ClickException")
+"""What the parser raises for words that it does not understand; typer does not say its name."""
 LEFT_OUT = {"rerun": "rerun-sdk==0.41.*"}
 """Packages without which most commands work, by the name of the module."""
 
@@ -67,10 +69,26 @@ def main() -> None:
 def _run() -> None:
     """Run the command and write all that it printed, so that an error in that is seen here."""
     try:
-        app(prog_name="vdoor")
+        code = app(prog_name="vdoor", standalone_mode=False)
+    except USAGE as error:
+        _tell_usage(error)
+        code = 2
     finally:
         if sys.stdout is not None:
             sys.stdout.flush()
+    sys.exit(code or 0)
+
+
+def _tell_usage(error: Any) -> None:
+    """Say in one line what is wrong with the words of a command; without any, write the help."""
+    if not sys.argv[1:]:
+        error.show()
+        return
+    text = error.format_message().rstrip(".").replace(". Did", "; did")
+    path = error.ctx.command_path if getattr(error, "ctx", None) else "vdoor"
+    place = f"{path.removeprefix('vdoor ')}: " if " " in path else ""
+    advice = "" if text.endswith("?") else f"; see `{path} --help`"
+    say(f"{place}{text[:1].lower()}{text[1:]}{advice}")
 
 
 def _drop_output() -> None:

@@ -72,7 +72,8 @@ def batch(
         say(f"report: {write_report(Path(maps[1]))}")
         return
     if out is None:
-        raise SettingError("batch: wanted --out DIR, found none")
+        meant = "; `vdoor batch report DIR` takes the folder of a batch" if maps[0] == REPORT else ""
+        raise SettingError(f"batch: wanted --out DIR, found none{meant}")
     if engine not in ENGINES:
         raise SettingError(f"--engine: {no_such('engine', engine, ENGINES)}")
     refuse_folder(out)

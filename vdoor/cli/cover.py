@@ -18,7 +18,7 @@ from vdoor.cli.navigate import (
     done_on,
     path_exports,
 )
-from vdoor.cli.options import Force, Json, MaxCells, Preset, Resolution, Seed, Set, Unknown
+from vdoor.cli.options import Force, Json, MaxCells, Preset, Resolution, Seed, Set, Unknown, print_json
 from vdoor.config import DEFAULT_PRESET
 from vdoor.errors import SettingError, say
 from vdoor.navigate import LEAVE, ROBOT_RADIUS_M, TOOL_M, TRADE
@@ -69,8 +69,6 @@ def cover(
     as_json: Json = False,
 ) -> None:
     """Plan a path whose tool sweeps rooms: along the walls, in lanes between, one room after the other."""
-    import json
-
     from vdoor.explain.coverage import document_of, figures
     from vdoor.export.coverage_files import COVERAGE_WRITERS
     from vdoor.export.paths import PATH_WRITERS, DrivenPath
@@ -108,7 +106,7 @@ def cover(
     for number in found.missed.tolist():
         say(f"note: {topology.room(number).title}: out of reach of a robot with a radius of {robot_radius:g} m")
     if as_json:
-        print(json.dumps(document_of(found)))
+        print_json(document_of(found))
     else:
         for name, value in figures(found):
             print(f"{name:16}{value}")

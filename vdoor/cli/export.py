@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from vdoor.cli.options import Force
+from vdoor.cli.options import Force, complete_format
 from vdoor.errors import VdoorError, naming, say
 from vdoor.navigate import NAV2_RADIUS_M
 
@@ -24,7 +24,9 @@ if TYPE_CHECKING:
 def export(
     result: Annotated[Path, typer.Argument(metavar="RESULT", help="An .mcap, or a folder from `vdoor run --out`.")],
     *,
-    to: Annotated[str, typer.Option("--to", metavar="FORMAT", help="One of the formats above.")],
+    to: Annotated[
+        str, typer.Option("--to", metavar="FORMAT", help="One of the formats above.", autocompletion=complete_format)
+    ],
     out: Annotated[
         Path | None,
         typer.Option("--out", "-o", metavar="FILE", help="Output file; text is printed without it."),

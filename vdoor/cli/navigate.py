@@ -20,6 +20,7 @@ from vdoor.cli.options import (
     Unknown,
     chosen_pipeline,
     prepared_pipeline,
+    print_json,
     read_grid,
 )
 from vdoor.config import DEFAULT_PRESET
@@ -213,8 +214,6 @@ def _on_map(path: Path, name: str, task: Task, running: Running, outputs: Output
 
 def _tell(found: Route, find: FindRoute, topology: TopologicalMap, *, as_json: bool) -> None:
     """Print a route, and on stderr which stops were moved."""
-    import json
-
     from vdoor.explain.routes import described, document_of
 
     names = ["FROM", *["--via"] * len(find.via), "TO"]
@@ -222,7 +221,7 @@ def _tell(found: Route, find: FindRoute, topology: TopologicalMap, *, as_json: b
         if moved_m:
             say(f"note: {name}: moved by {moved_m:.2f} m to {place[0]:.2f},{place[1]:.2f}, where the robot fits")
     if as_json:
-        print(json.dumps(document_of(found)))
+        print_json(document_of(found))
     elif not found.found:
         print(described(found))
     else:
@@ -279,12 +278,10 @@ def order(
 
 
 def _tell_order(found: Visits, topology: TopologicalMap, *, as_json: bool) -> None:
-    import json
-
     if as_json:
         stops = [{"room": stop.room or None, "place_m": stop.place_m} for stop in found.stops]
         document = {"stops": stops, "length_m": found.order.length, "lower_bound_m": found.order.lower_bound}
-        print(json.dumps(document | {"exact": found.order.exact, "out_of_reach": found.out_of_reach}))
+        print_json(document | {"exact": found.order.exact, "out_of_reach": found.out_of_reach})
         return
     bound = "the shortest" if found.order.exact else f"no order is shorter than {found.order.lower_bound:.2f} m"
     print(f"{found.order.length:.2f} m, {bound}")

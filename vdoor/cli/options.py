@@ -25,7 +25,31 @@ MapFile = Annotated[
     Path, typer.Argument(metavar="MAP", help="ROS map YAML, image, .npy, Valetudo JSON, bag, recording; - for stdin.")
 ]
 PRESET_HELP = "paper (as printed), default, voronoi-doors or eroded-space."
-Preset = Annotated[str, typer.Option(help=PRESET_HELP)]
+
+
+def complete_preset(begun: str) -> list[str]:
+    """Presets that begin so."""
+    from vdoor.pipeline import PRESETS
+
+    return [name for name in PRESETS if name.startswith(begun)]
+
+
+def complete_stage(begun: str) -> list[str]:
+    """Stages and tabs that begin so."""
+    from vdoor.explain.stage_names import tab_names
+    from vdoor.history import STAGES
+
+    return [name for name in (*STAGES, *tab_names()) if name.startswith(begun)]
+
+
+def complete_format(begun: str) -> list[str]:
+    """Formats of `vdoor export` that begin so."""
+    from vdoor.export import WRITERS
+
+    return [writer.name for writer in WRITERS if writer.name.startswith(begun)]
+
+
+Preset = Annotated[str, typer.Option(help=PRESET_HELP, autocompletion=complete_preset)]
 Seed = Annotated[int, typer.Option(min=0, help="Random seed.")]
 Config = Annotated[Path | None, typer.Option(metavar="FILE.toml", help="Settings file, see `vdoor config`.")]
 Set = Annotated[list[str] | None, typer.Option("--set", metavar="STAGE.FIELD=VALUE", help="One setting; repeatable.")]
@@ -45,6 +69,15 @@ MaxCells = Annotated[int, typer.Option(min=1, max=MOST_CELLS, metavar="N", help=
 Jobs = Annotated[int, typer.Option("--jobs", "-j", min=1, metavar="N", help="Maps at work at a time.")]
 Force = Annotated[bool, typer.Option("--force", help="Overwrite existing files.")]
 Json = Annotated[bool, typer.Option("--json", help="Print the result as JSON.")]
+
+
+def print_json(document: Any, *, indent: int | None = None) -> None:
+    """Print plain values as JSON, numbers as exact as they are worth."""
+    import json
+
+    from vdoor.rounding import rounded
+
+    print(json.dumps(rounded(document), indent=indent, allow_nan=False))
 
 
 def read_grid(path: Path, *, quiet: bool, **how: Any) -> OccupancyGrid:
@@ -125,15 +158,14 @@ def chosen_pipeline(
 
 def _whole_names(pipeline: AnyPipeline, assignments: Sequence[str]) -> Sequence[str]:
     """The assignments as they are; `SettingError` for one without a stage, which names the settings it may mean."""
-    from vdoor.config import settings_of
+    from vdoor.config import full_names, settings_of
     from vdoor.pipeline import METHODS
 
     for text in assignments:
         word, equals, value = text.partition("=")
         if not equals or "." in word:
             continue
-        settings = settings_of(pipeline, METHODS)
-        meant = [f"{stage}.{name}={value}" for stage, table in settings.items() for name in table if name == word]
+        meant = [f"{name}={value}" for name in full_names(settings_of(pipeline, METHODS), word)]
         if meant:
             raise SettingError(f"--set: wanted stage.field=value, found {text!r}; did you mean {' or '.join(meant)}?")
     return assignments

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import typer
 
-from vdoor.cli.options import Json, place_in
+from vdoor.cli.options import Json, place_in, print_json
 from vdoor.errors import say
 
 if TYPE_CHECKING:
@@ -38,8 +38,6 @@ NAMES: tuple[tuple[str, Callable[[Line], str]], ...] = (("name", lambda line: li
 
 def rooms(result: Result, *, as_json: Json = False) -> None:
     """List the rooms of a result with their areas, doors and neighbours."""
-    import json
-
     from vdoor.results.reading import read_finished
     from vdoor.results.segments import segments_of
 
@@ -47,7 +45,7 @@ def rooms(result: Result, *, as_json: Json = False) -> None:
     lines, segments = list(_lines(finished.topology)), segments_of(finished.topology, finished.annotations)
     if as_json:
         own = [{"segment": segments[line.room.id].id} if line.room.id in segments else {} for line in lines]
-        print(json.dumps({"rooms": [_table(line) | segment for line, segment in zip(lines, own, strict=True)]}))
+        print_json({"rooms": [_table(line) | segment for line, segment in zip(lines, own, strict=True)]})
         return
     columns = [COLUMNS[0], *(NAMES if any(line.room.name for line in lines) else ()), *COLUMNS[1:]]
     cells = [[head for head, _ in columns], *([text(line) for _, text in columns] for line in lines)]
@@ -64,8 +62,6 @@ def room_at(
     as_json: Json = False,
 ) -> None:
     """Print the room at a point: 0 and the room's number, or 1 if there is no room."""
-    import json
-
     from vdoor.editing.places import parse_place
     from vdoor.results.reading import read_finished
 
@@ -75,7 +71,7 @@ def room_at(
     cell, room = topology.cell_at(place_m), topology.room_at(place_m)
     if as_json:
         line = _table(Line(room, topology.doors_of(room.id))) if room else None
-        print(json.dumps({"cell": [cell[1], cell[0]] if cell else None, "room": line}))
+        print_json({"cell": [cell[1], cell[0]] if cell else None, "room": line})
     elif room:
         print(f"room {room.id}{f'  {room.name}' * bool(room.name)}")
     if not room:

@@ -201,7 +201,7 @@ def _print_result(topology: TopologicalMap, document: dict[str, Any], *, as_json
     rooms, doors = topology.rooms, topology.doors
     print(
         f"{len(rooms)} room{'s' * (len(rooms) != 1)}, {len(doors)} door{'s' * (len(doors) != 1)}, "
-        f"{sum(room.area_m2 for room in rooms):.1f} m2"
+        f"{topology.total_m2:.1f} m2"
     )
     for room in rooms:
         to = ", ".join(map(str, room.neighbours)) or "none"

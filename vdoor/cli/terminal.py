@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from vdoor.cli.options import Json, place_in
-from vdoor.errors import SettingError, naming, no_such, say
+from vdoor.cli.options import Json, complete_stage, place_in, print_json
+from vdoor.errors import SettingError, naming, say
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -21,13 +21,17 @@ PIPE_COLUMNS = 120
 FRAME_LINES = 6
 """Lines of a screen reserved for the title, the legend and the prompt."""
 ALL = 10**6
+ALL_STAGES = "all"
 TERMINAL_ROWS = 40
 
 
 def show(
     recording: RecordingFile,
     *,
-    stage: Annotated[str | None, typer.Option(metavar="STAGE", help="Name of a stage, or `all`.")] = None,
+    stage: Annotated[
+        str | None,
+        typer.Option(metavar="STAGE", help="A stage or a tab of the viewer, or all.", autocompletion=complete_stage),
+    ] = None,
     step: Annotated[int | None, typer.Option(min=0, metavar="N", help="Show the record of this step.")] = None,
     rows: Annotated[int | None, typer.Option(min=1, help="Maximum rows of a table (terminal: 40, pipe: all).")] = None,
 ) -> None:
@@ -35,11 +39,10 @@ def show(
     from vdoor.viz.terminal.show import overview
 
     run, console = _read(recording), _console()
-    topic, generation = _chosen(run, stage, step)
-    if topic is None:
+    topics, generation = _chosen(run, stage, step)
+    if not topics:
         console.print(*overview(run), sep="\n")
-        topic = run.stages[-1]
-    _print_stages(run, console, run.stages if topic == "all" else (topic,), generation=generation, rows=rows)
+    _print_stages(run, console, topics or run.stages[-1:], generation=generation, rows=rows)
 
 
 def _print_stages(
@@ -91,7 +94,6 @@ def why(
 ) -> None:
     """Explain why there is a door at a point, or none: the decision of each stage about the nearest elements."""
     import dataclasses
-    import json
 
     from vdoor.explain import explain
     from vdoor.explain.places import place_of
@@ -100,7 +102,7 @@ def why(
     given = {"--at": at, "--door": door, "--edge": edge, "--candidate": candidate}
     named = [(option, value) for option, value in given.items() if value is not None]
     if len(named) != 1:
-        raise SettingError(f"why: wanted one of {', '.join(given)}, found {len(named)}")
+        raise SettingError(f"why: wanted one of {', '.join(given)}, found {len(named)}: {recording}")
     ((option, word),) = named
     run = _read(recording)
     with naming(recording):
@@ -108,8 +110,11 @@ def why(
             place_m = place_in(run.input.frame, at, what="--at", cells=cells)
         else:
             place_m = place_of(run, option.removeprefix("--"), str(word))
-    answer = explain(run, place_m, count=count)
-    print(json.dumps(dataclasses.asdict(answer)) if as_json else "\n".join(to_lines(answer)))
+        answer = explain(run, place_m, count=count)
+    if as_json:
+        print_json(dataclasses.asdict(answer))
+    else:
+        print("\n".join(to_lines(answer)))
 
 
 def _read(path: Path) -> History:
@@ -135,17 +140,18 @@ def _console() -> Console:
     return console
 
 
-def _chosen(run: History, stage: str | None, step: int | None) -> tuple[str | None, int | None]:
-    """The requested stage (None for an overview), and the requested generation (None for all)."""
-    from vdoor.history import SEARCH, STAGES
+def _chosen(run: History, stage: str | None, step: int | None) -> tuple[tuple[str, ...], int | None]:
+    """The requested stages (none for an overview), and the requested generation (None for all)."""
+    from vdoor.explain.stage_names import stages_named
+    from vdoor.history import SEARCH
 
-    if stage is not None and stage not in (*STAGES, "all"):
-        raise SettingError(f"--stage: {no_such('stage', stage, (*STAGES, 'all'))}")
-    if stage not in (None, "all", *run.stages):
+    wanted = () if stage is None else run.stages if stage == ALL_STAGES else stages_named(stage)
+    topics = tuple(topic for topic in wanted if topic in run.stages)
+    if wanted and not topics:
         raise SettingError(f"--stage: {stage} was not recorded, the last one is {run.stages[-1]}: {run.file}")
     if step is None:
-        return stage, None
+        return topics, None
     topic, index = run.stage_of(step)
-    if stage not in (None, topic):
+    if topics and topic not in topics:
         raise SettingError(f"--step: step {step} belongs to {topic}, not to {stage}: {run.file}")
-    return topic, index if topic == SEARCH else None
+    return (topic,), index if topic == SEARCH else None

@@ -41,8 +41,8 @@ def valetudo(
     from vdoor.files import refuse_existing
     from vdoor.partial import write_whole
 
-    if sum(map(bool, (clean, segments, walls))) != 1:
-        raise SettingError("valetudo: wanted one of --clean, --segments, --keep-in, found none or several")
+    if (given := sum(map(bool, (clean, segments, walls)))) != 1:
+        raise SettingError(f"valetudo: wanted one of --clean, --segments, --keep-in, found {given}: {result}")
     refuse_existing([out] if out else [], force=force, reads=files_of(result))
     finished = read_finished(result)
     topology, annotations = finished.topology, finished.annotations
@@ -59,7 +59,7 @@ def valetudo(
         note_replaced(Export(writer_named("virtual-walls")), finished)
     if segments:
         again = "; then save the map and run again, as the robot gives new ids" * bool(todo)
-        say(f"{len(todo)} changes make the robot's segments ours{again}")
+        say(f"{len(todo)} change{'s' * (len(todo) != 1)} to make the robot's segments ours{again}")
     text = "".join(f"{request.text}\n" for request in todo)
     if out is None:
         print(text, end="")

@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from vdoor.cli.options import Force
-from vdoor.errors import RecordingError, SettingError, VdoorError, no_such, say
+from vdoor.cli.options import Force, complete_stage
+from vdoor.errors import RecordingError, SettingError, VdoorError, say
 
 if TYPE_CHECKING:
     from vdoor.record import Record
@@ -53,7 +53,12 @@ def shot(
     recording: AnyRecording,
     *,
     out: Annotated[Path, typer.Option("--out", "-o", metavar="DIR", help="Folder for the pictures.")],
-    stage: Annotated[list[str] | None, typer.Option(help="Only this tab, such as Doors; repeatable.")] = None,
+    stage: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="STAGE", help="Only this stage, such as doors, or tab; repeatable.", autocompletion=complete_stage
+        ),
+    ] = None,
     size: Annotated[str, typer.Option(metavar="WxH", help="Pictures are at most that large, in pixels.")] = "1600x1000",
     viewer: Annotated[
         bool, typer.Option("--viewer", help="Take screenshots of the Rerun viewer, as of an .rrd; needs Vulkan.")
@@ -61,18 +66,12 @@ def shot(
     force: Force = False,
 ) -> None:
     """Write a PNG picture of each stage; needs no screen."""
-    from vdoor.explain.stages import tabs_of
+    from vdoor.explain.stage_names import tab_named, tab_names
     from vdoor.files import make_folder, refuse_existing
     from vdoor.partial import write_whole
-    from vdoor.pipeline import RECORDS
 
-    names = tabs_of(RECORDS, {})
-    by_name = {tab.lower(): tab for tab in names}
-    unknown = [name for name in stage or () if name.lower() not in by_name]
-    if unknown:
-        raise SettingError(f"--stage: {no_such('tab', unknown[0], names)}")
-    tabs = tuple(by_name[name.lower()] for name in stage) if stage else None
-    refuse_existing((path for tab in tabs or names for path in out.glob(f"*_{_file_name(tab)}")), force=force)
+    tabs = tuple(dict.fromkeys(map(tab_named, stage))) if stage else None
+    refuse_existing((path for tab in tabs or tab_names() for path in out.glob(f"*_{_file_name(tab)}")), force=force)
     taken = _screenshots if viewer or _is_rrd(recording) else _drawn
     for number, tab, png in taken(recording, tabs, _size(size)):
         make_folder(out)
@@ -177,8 +176,11 @@ def _is_rrd(path: Path) -> bool:
 def _refuse_unreadable(path: Path) -> None:
     """Raise `VdoorError` if there is no recording, or none that can be drawn: a viewer would wait for it."""
     if not path.is_file():
-        found = "none" if not path.exists() else "a folder" if path.is_dir() else "a device or pipe"
-        raise VdoorError(f"recording: wanted an .rrd or .mcap file, found {found}: {path}")
+        from vdoor.kinds import kind_of
+
+        found = "none" if not path.exists() else kind_of(path) if path.is_dir() else "a device or pipe"
+        advice = "; `vdoor run MAP --mcap FILE` writes one" if path.is_dir() else ""
+        raise VdoorError(f"recording: wanted an .rrd or .mcap file, found {found}{advice}: {path}")
     if _is_rrd(path):
         from vdoor.viz.rerun.program import refuse_unreadable
 

@@ -100,6 +100,7 @@ def _unknown_room(topology: TopologicalMap, word: str) -> str:
     """What was wanted, for a word that is no room's id and no room's name."""
     if ID.fullmatch(word):
         return f"wanted one of {', '.join(map(str, topology.room_ids))}, found {word}"
-    close = difflib.get_close_matches(word, [name for name in topology.name if name], n=1)
-    hint = f"; did you mean {close[0]!r}?" if close else ""
+    names = {name.casefold(): name for name in topology.name if name}
+    close = difflib.get_close_matches(word.casefold(), names, n=1)
+    hint = f"; did you mean {names[close[0]]!r}?" if close else ""
     return f"wanted a room's id, its name or X,Y, found {word!r}{hint}"

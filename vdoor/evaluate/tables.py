@@ -118,7 +118,7 @@ def _places(doors: Doors, frame: Frame) -> list[dict[str, float]]:
     """The centre of each door in the map frame, and its width."""
     right_down = doors.centre_m / frame.resolution_m - 0.5
     points_m = frame.world_from_cell(right_down[:, ::-1])
-    rows = np.column_stack([points_m, doors.width_m]).round(6).tolist()
+    rows = np.column_stack([points_m, doors.width_m]).round(3).tolist()
     return [{"x_m": x_m, "y_m": y_m, "width_m": width_m} for x_m, y_m, width_m in rows]
 
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from decimal import Decimal
 from typing import Any
 
-from vdoor.config import METHOD, all_settings_of, field_docs, with_settings
+from vdoor.config import METHOD, all_settings_of, field_docs, full_names, with_settings
 from vdoor.errors import SettingError
 from vdoor.method.scoring.model import model_named
 from vdoor.pipeline import METHODS, AnyPipeline
@@ -70,7 +70,9 @@ def planned(sweeps: Sequence[str], pipeline: AnyPipeline, *, seed: int = 0) -> l
         if name in steps:
             raise SettingError(f"sweep: wanted each setting once, found {name} twice")
         if name != SEED and "." not in name:
-            raise SettingError(f"sweep: wanted stage.field=VALUES or seed=VALUES, found {text!r}")
+            meant = " or ".join(f"{full}={listed}" for full in full_names(all_settings_of(pipeline, METHODS), name))
+            hint = f"; did you mean {meant}?" if meant else ""
+            raise SettingError(f"sweep: wanted stage.field=VALUES or seed=VALUES, found {text!r}{hint}")
         values = values_in(listed, f"sweep: {name}")
         found = seeds(values, pipeline, seed) if name == SEED else settings(name, values, pipeline, seed)
         numbers = all(_is_number(step.value) for step in found)

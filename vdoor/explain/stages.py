@@ -141,7 +141,7 @@ def _edits_summary(run: History) -> str:
 
 
 def _map_summary(run: History) -> str:
-    return f"{len(run.topology.area_m2)} rooms, {len(run.topology.kind)} doors, {run.topology.area_m2.sum():.1f} m2"
+    return f"{len(run.topology.area_m2)} rooms, {len(run.topology.kind)} doors, {run.topology.total_m2:.1f} m2"
 
 
 STAGE_VIEWS = (

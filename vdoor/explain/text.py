@@ -100,7 +100,7 @@ def corner_line(corner: CornerFate) -> str:
     if not corner.convex:
         return f"{head}: doors start at convex corners only"
     if corner.doors:
-        return f"{head}: doors {', '.join(map(str, corner.doors))}"
+        return f"{head}: virtual doors {', '.join(map(str, corner.doors))}"
     other = f"the nearest, {corner.nearest_convex}, is {corner.nearest_convex_m:.2f} m away"
     return (
         f"{head}: no doors, as no other convex corner and no boundary other than its own wall is within "
@@ -112,7 +112,7 @@ def door_lines(door: DoorFate) -> Iterator[str]:
     """One door, one line per stage."""
     corners = f"corner{'s' * (len(door.corners) > 1)} {' and '.join(map(str, door.corners))}"
     place = f"{door.away_m:.2f} m away  {_at(door.start_m)} to {_at(door.end_m)}"
-    yield f"  door {door.door}  {place}  {door.kind}, {corners}  => {door.fate}"
+    yield f"  virtual door {door.door}  {place}  {door.kind}, {corners}  => {door.fate}"
     size = f"length {door.length_m:.2f} m (at most {door.max_length_m:g}), free gap {door.width_m:.2f} m, "
     yield f"    {size}tilt {door.tilt_deg:.1f} deg, {_detour(door)}"
     yield f"    {_VERDICTS[door.verdict](door)}"
@@ -151,7 +151,7 @@ _VERDICTS: dict[str, Callable[[DoorFate], str]] = {
         f"is {door.gap_m or 0:.2f} m, no longer than {door.least_gap_m or 0:.2f}"
     ),
     "no gap": lambda _: "rejected, no gap: its end cells touch",
-    "duplicate": lambda door: f"rejected, duplicate: door {door.twin} has the same ends",
+    "duplicate": lambda door: f"rejected, duplicate: virtual door {door.twin} has the same ends",
     "too narrow": lambda door: (
         f"rejected, too narrow: its gap of {door.width_m:.2f} m is less than the "
         f"{door.least_width_m:g} m that the robot needs"
@@ -184,7 +184,7 @@ _JUDGEMENTS: dict[str, Callable[[ScoreFate], str]] = {
     "likely": lambda score: f"likely (at least {score.least_log_odds:+g}): passed to the search",
     "unlikely": lambda score: f"unlikely, below {score.least_log_odds:+g}: left out of the search",
     "outdone": lambda score: (
-        f"outdone by door {score.suppressed_by} at the same place, log-odds {score.outdone_by_log_odds:+.2f}: "
+        f"outdone by virtual door {score.suppressed_by} at the same place, log-odds {score.outdone_by_log_odds:+.2f}: "
         "left out of the search"
     ),
 }
@@ -199,10 +199,10 @@ def _conflicts(conflicts: Sequence[Conflict], *, kept: bool) -> str:
     words = {True: "kept as well" if kept else "kept instead", False: "removed" if kept else "removed as well"}
     parts = []
     for decided, word in (words | {None: "not in the search"}).items():
-        own = [f"door {other.door} ({other.log_odds:+.2f})" for other in conflicts if other.kept is decided]
+        own = [f"{other.door} ({other.log_odds:+.2f})" for other in conflicts if other.kept is decided]
         if own:
             more = f" and {len(own) - MOST_CONFLICTS} more" if len(own) > MOST_CONFLICTS else ""
-            parts.append(f"{', '.join(own[:MOST_CONFLICTS])}{more} {word}")
+            parts.append(f"virtual door{'s' * (len(own) > 1)} {', '.join(own[:MOST_CONFLICTS])}{more} {word}")
     return "; ".join(parts)
 
 

@@ -9,9 +9,11 @@ from typing import Any
 import numpy as np
 import yaml
 
+from vdoor.export.geometry import to_mm
 from vdoor.export.valetudo import clean
 from vdoor.navigate.cover_floor import Coverage
 from vdoor.navigate.coverage.path import KINDS
+from vdoor.rounding import rounded
 from vdoor.topology import Polygon, TopologicalMap
 
 FRAME = "map"
@@ -28,7 +30,7 @@ def to_fields(coverage: Coverage, topology: TopologicalMap) -> str:
 
 
 def _field(polygon_m: Polygon) -> dict[str, Any]:
-    polygons = [{"coordinates": [{"axis1": x_m, "axis2": y_m} for x_m, y_m in ring]} for ring in polygon_m]
+    polygons = [{"coordinates": [{"axis1": x_m, "axis2": y_m} for x_m, y_m in map(to_mm, ring)]} for ring in polygon_m]
     return {"use_gml_file": False, "polygons": polygons, "frame_id": FRAME}
 
 
@@ -37,7 +39,7 @@ def to_lanes(coverage: Coverage, topology: TopologicalMap) -> str:
     del topology
     ends = np.flatnonzero(coverage.purpose == LANE)
     ends = ends[ends > 0]
-    points = [[x_m, y_m, 0.0] for x_m, y_m in coverage.point_m.tolist()]
+    points = [[*to_mm(point_m), 0.0] for point_m in coverage.point_m]
     swaths = [{"start": _named(points[end - 1]), "end": _named(points[end])} for end in ends.tolist()]
     ways = zip(ends[:-1].tolist(), ends[1:].tolist(), strict=True)
     turns = [_way(coverage, first, last) for first, last in ways]
@@ -58,11 +60,9 @@ def _named(point: list[float]) -> dict[str, float]:
 def _way(coverage: Coverage, first: int, last: int) -> dict[str, Any]:
     """A nav_msgs/Path from the point that ends a lane to the one before the end of the next."""
     poses = []
-    for (x_m, y_m), yaw_rad in zip(
-        coverage.point_m[first:last].tolist(), coverage.yaw_rad[first:last].tolist(), strict=True
-    ):
-        turned = {"x": 0.0, "y": 0.0, "z": math.sin(yaw_rad / 2), "w": math.cos(yaw_rad / 2)}
-        pose = {"position": _named([x_m, y_m, 0.0]), "orientation": turned}
+    for point_m, yaw_rad in zip(coverage.point_m[first:last], coverage.yaw_rad[first:last].tolist(), strict=True):
+        turned = rounded({"x": 0.0, "y": 0.0, "z": math.sin(yaw_rad / 2), "w": math.cos(yaw_rad / 2)})
+        pose = {"position": _named([*to_mm(point_m), 0.0]), "orientation": turned}
         poses.append({"header": {"frame_id": FRAME}, "pose": pose})
     return {"header": {"frame_id": FRAME}, "poses": poses}
 

@@ -41,8 +41,8 @@ def _room(room: Room) -> dict[str, object]:
         "type": "room",
         "room": room.id,
         "name": room.name,
-        "area_m2": round(room.area_m2, 3),
-        "centre_m": to_mm(room.centre_m),
+        "area_m2": room.area_m2,
+        "centre_m": room.centre_m,
         "neighbours": room.neighbours,
     }
 
@@ -53,11 +53,11 @@ def _door(door: Door) -> dict[str, object]:
         "door": door.id,
         "rooms": door.rooms,
         "kind": door.kind,
-        "width_m": round(door.width_m, 3),
-        "length_m": round(door.length_m, 3),
-        "tilt_deg": round(door.tilt_deg, 2),
-        "start_m": to_mm(door.start_m),
-        "end_m": to_mm(door.end_m),
+        "width_m": door.width_m,
+        "length_m": door.length_m,
+        "tilt_deg": door.tilt_deg,
+        "start_m": door.start_m,
+        "end_m": door.end_m,
     }
 
 

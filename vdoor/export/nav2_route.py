@@ -79,15 +79,14 @@ def _about_node(topology: TopologicalMap, node: Node) -> dict[str, Any]:
         return {"class": "door", "door": door.id} | about
     if not node.main:
         return {"class": "place", "room": node.room}
-    row = topology.room_row(node.room)
-    name = topology.name[row] if topology.name else ""
-    return {"class": "room", "room": node.room, "name": name, "area_m2": float(topology.area_m2[row])}
+    room = topology.room(node.room)
+    return {"class": "room", "room": room.id, "name": room.name, "area_m2": room.area_m2}
 
 
 def _about_edge(graph: Roadmap, edge: Edge, radius_m: float) -> dict[str, Any]:
     at_door = any(graph.nodes[end].door for end in edge.ends)
     kind = "narrow" if edge.clearance_m < radius_m else "door" if at_door else "room"
-    return {"class": kind, "room": edge.room, "clearance_m": edge.clearance_m}
+    return {"class": kind, "room": edge.room, "clearance_m": round(edge.clearance_m, 3)}
 
 
 def _opened(end: Node, service: str) -> dict[str, Any]:
@@ -99,4 +98,4 @@ def _opened(end: Node, service: str) -> dict[str, Any]:
 
 
 def _line(start: Point, end: Point, properties: dict[str, Any]) -> dict[str, Any]:
-    return feature("LineString", (start, end), {**properties, "cost": math.dist(start, end)})
+    return feature("LineString", (start, end), {**properties, "cost": round(math.dist(start, end), 3)})

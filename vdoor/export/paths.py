@@ -13,7 +13,9 @@ from numpy.typing import NDArray
 
 from vdoor.errors import SettingError
 from vdoor.export.geojson import collection_text, feature
+from vdoor.export.geometry import to_mm
 from vdoor.partial import write_whole
+from vdoor.rounding import rounded
 
 Floats = NDArray[np.float64]
 
@@ -33,24 +35,24 @@ class DrivenPath:
 def to_csv(path: DrivenPath) -> str:
     """Lines x, y, yaw in metres and radians, below a line with these names."""
     rows = np.column_stack([path.point_m, path.yaw_rad]).tolist()
-    return "".join(["x_m,y_m,yaw_rad\n", *(f"{x_m:.6f},{y_m:.6f},{yaw_rad:.6f}\n" for x_m, y_m, yaw_rad in rows)])
+    return "".join(["x_m,y_m,yaw_rad\n", *(f"{x_m:.3f},{y_m:.3f},{yaw_rad:.4f}\n" for x_m, y_m, yaw_rad in rows)])
 
 
 def to_path_geojson(path: DrivenPath) -> str:
     """A feature collection with one LineString in metres of the map frame; of one point, a line of no length."""
-    points = path.point_m.tolist()
+    points = [*map(to_mm, path.point_m)]
     line = points if len(points) > 1 else points * 2
-    return collection_text("vdoor path", [feature("LineString", line, {"type": "path", **path.properties})])
+    return collection_text("vdoor path", [feature("LineString", line, {"type": "path", **rounded(path.properties)})])
 
 
 def to_waypoints(path: DrivenPath) -> str:
     """Waypoints as the Nav2 panel of RViz saves and loads them: pose x, y, z and orientation w, x, y, z."""
     waypoints = {
         f"waypoint{number}": {
-            "pose": [x_m, y_m, 0.0],
-            "orientation": [math.cos(yaw_rad / 2), 0.0, 0.0, math.sin(yaw_rad / 2)],
+            "pose": [*to_mm(point_m), 0.0],
+            "orientation": rounded([math.cos(yaw_rad / 2), 0.0, 0.0, math.sin(yaw_rad / 2)]),
         }
-        for number, ((x_m, y_m), yaw_rad) in enumerate(zip(path.point_m.tolist(), path.yaw_rad.tolist(), strict=True))
+        for number, (point_m, yaw_rad) in enumerate(zip(path.point_m, path.yaw_rad.tolist(), strict=True))
     }
     return yaml.safe_dump({"waypoints": waypoints}, sort_keys=False, default_flow_style=None)
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import yaml
 
-from vdoor.export.geometry import Point, line_m, refuse_not_finite
+from vdoor.export.geometry import Point, line_m, refuse_not_finite, to_mm
 from vdoor.export.routes import Doorway, doorways
 from vdoor.topology import Room, TopologicalMap
 
@@ -65,7 +65,7 @@ def _name(way: Doorway) -> str:
 
 
 def _vertex(place_m: Point, name: str) -> list[Any]:
-    return [*place_m, {"name": name}]
+    return [*to_mm(place_m), {"name": name}]
 
 
 def _both_ways(one: int, other: int, **options: str) -> list[list[Any]]:
@@ -73,4 +73,4 @@ def _both_ways(one: int, other: int, **options: str) -> list[list[Any]]:
 
 
 def _points(topology: TopologicalMap, way: Doorway) -> list[list[float]]:
-    return [list(point) for point in line_m(topology, way.door)]
+    return [[*to_mm(point)] for point in line_m(topology, way.door)]

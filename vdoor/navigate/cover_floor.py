@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vdoor.config import Within
+from vdoor.editing.lookup import find_room
 from vdoor.errors import SettingError
 from vdoor.formats import read_annotations
 from vdoor.frame import Frame
@@ -181,11 +182,8 @@ class CoverFloor:
 
     def _rooms(self, topology: TopologicalMap) -> list[int]:
         """The ids of the rooms to sweep."""
-        targets = [Target.of(topology, text, what="rooms") for text in self.rooms]
-        if place := next((target.text for target in targets if not target.room), None):
-            raise SettingError(f"rooms: wanted a room's id or name, found {place!r}")
-        avoided = {Target.of(topology, text, what="avoid").room for text in self.avoid}
-        wanted = [target.room for target in targets] or list(topology.room_ids)
+        wanted = [find_room(topology, text, what="rooms").room.id for text in self.rooms] or list(topology.room_ids)
+        avoided = {find_room(topology, text, what="avoid").room.id for text in self.avoid}
         return [room for room in dict.fromkeys(wanted) if room not in avoided]
 
     def _labels(self, topology: TopologicalMap, rooms: Sequence[int]) -> Ints:

@@ -49,7 +49,7 @@ class Node(NamedTuple):
 
 
 class Edge(NamedTuple):
-    """A straight way between two nodes, both ways, within one room."""
+    """A straight way between two nodes, both ways, within one room, or at most a cell beside it."""
 
     ends: tuple[int, int]
     """Indices of the nodes."""

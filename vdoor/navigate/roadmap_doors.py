@@ -16,7 +16,7 @@ from vdoor.topology import Door, TopologicalMap
 Point = tuple[float, float]
 Floats = NDArray[np.float64]
 
-APART_M = 1.5
+APART_M = 0.5
 """Of a door that is wider, nodes are added until no passable place of it is farther from one."""
 NUDGE = 0.01
 """How far within a room its eye is, in cells."""

@@ -105,10 +105,16 @@ class Floor:
 
     @cached_property
     def _sights(self) -> tuple[Sight, Sight]:
-        return Sight(self.clear), Sight(self.within)
+        return Sight(self.clear), Sight(self._around)
+
+    @cached_property
+    def _around(self) -> Space:
+        """The room and the next cells of other rooms: a door askew is a border of teeth, along which one can see."""
+        cells = scipy.ndimage.binary_dilation(self.own, np.ones((3, 3), np.bool_)) & ~self.blocked
+        return Space.of(~cells, self.frame, self.within.radius_m)
 
     def stays(self, start: Floats, end: Floats) -> Mask:
-        """Whether each of the straight ways (k,) between points (k, 2) stays in the room."""
+        """Whether each of the straight ways (k,) between points (k, 2) stays in the room, to a cell."""
         return self._sights[1].all_clear(start, end)
 
     def sees(self, start: Spots, end: Spots) -> Mask:

@@ -20,12 +20,15 @@ def narrow_ways(floor: Floor, part: NDArray[np.intp], stuck: list[Point]) -> lis
     """The cheapest ways that join the parts of a room's floor, as many as it takes: their ends and bends, as row, col.
 
     `part` (h, w) is the part of each allowed cell, -1 for others. `stuck` are further places, each a part of its own:
-    doors in which the robot does not fit, and the room's middle.
+    doors in which the robot does not fit, and the room's middle. No way leads to those that lie in what is blocked.
     """
     steps, number = floor.within.graph(floor.own)
+    stuck = [place for place in stuck if number[cell_of(place)] >= 0]
     steps = _weighted(floor, steps)
     cells = np.argwhere(number >= 0)
     known = part[tuple(cells.T)]
+    if not stuck and (known < 0).all():
+        return []
     at_cell = {int(number[cell_of(place)]): place for place in reversed(stuck)}
     first = int(part.max(initial=-1)) + 1
     for more, node in enumerate(at_cell):

@@ -11,6 +11,9 @@ from pathlib import Path
 from vdoor.errors import RecordingError, printable
 from vdoor.kinds import kind_of
 
+FROM_RUNS_OR_MAPS = ("a Rerun recording", "a result folder", "a JSON file", "a PNG image", "a PGM image")
+"""What is given by those who have a map, and have run it or not, but have no recording of the run."""
+
 
 class TooMuchError(RecordingError):
     """A file that would cause far more work than its size explains."""
@@ -52,7 +55,7 @@ def naming(path: Path) -> Iterator[None]:
 def wanted(path: Path) -> str:
     """What was wanted, for a file that is no MCAP, and how to get one."""
     kind = kind_of(path)
-    advice = "; `vdoor run --mcap` writes what this command reads" if kind == "a Rerun recording" else ""
+    advice = "; `vdoor run MAP --mcap FILE` writes what this command reads" if kind in FROM_RUNS_OR_MAPS else ""
     return f"wanted an MCAP file, found {kind}{advice}"
 
 

@@ -19,6 +19,7 @@ from vdoor.evaluate.result_files import file_in, own_file
 from vdoor.formats.source import checked_resolution_m, shown
 from vdoor.frame import Frame
 from vdoor.grid import FREE, OCCUPIED, UNKNOWN, Annotations, OccupancyGrid
+from vdoor.kinds import kind_of
 from vdoor.method.finished import Doors, Features, map_of
 from vdoor.raster.runs import runs_of
 from vdoor.record import TEXT
@@ -54,6 +55,9 @@ def read_finished(path: str | Path, *, provenance: bool = False) -> Finished:
     Raises `VdoorError` if it is missing or damaged, or if its files do not belong together.
     """
     path = Path(path)
+    if path.is_file() and path.suffix != ".mcap" and (kind := kind_of(path)) != "an MCAP recording":
+        advice = "`vdoor run MAP --out FOLDER` makes a folder"
+        raise VdoorError(f"result: wanted a folder from `vdoor run --out` or an .mcap, found {kind}; {advice}: {path}")
     return read_result(path, provenance=provenance) if path.is_dir() else read_last(path, provenance=provenance)
 
 
@@ -77,7 +81,7 @@ def read_last(path: Path, *, provenance: bool = False) -> Finished:
         topic = record.topic
         if isinstance(record, TopologicalMap):
             annotations = read_annotations(recording.info.source)
-            placed = in_own_frame(record, recording.info.source)
+            placed = in_own_frame(record.written, recording.info.source)
             found = Finished(named_by_robot(placed, annotations), origin, recording.info.settings, annotations)
         elif origin:
             origin.run.write(step, record)
@@ -91,8 +95,9 @@ def read_last(path: Path, *, provenance: bool = False) -> Finished:
 def read_result(folder: Path, *, provenance: bool = False) -> Finished:
     """The result in a folder: rooms from rooms.png, doors and corners from map.json.
 
-    Areas, centres and polygons are computed from the label image, as when it was written. The edges of the initial map
-    and the corners' numbers, which only a recording contains, are -1.
+    Areas, centres and polygons are computed from the label image, as when it was written. Doors and corners are rounded
+    as in a map that is read from a recording (`TopologicalMap.written`), so that both give the same exports. The edges
+    of the initial map and the corners' numbers, which only a recording contains, are -1.
     """
     for name in ("map.json", "rooms.png"):
         if not (folder / name).is_file():
@@ -154,7 +159,7 @@ def _assembled(
         kind=np.array([KINDS.index(door.kind) for door in doors], np.uint8),
         length_m=np.array([door.length_m for door in doors], np.float64),
         width_m=np.array([door.width_m for door in doors], np.float64),
-        tilt_rad=_radians(np.array([door.tilt_deg for door in doors], np.float64)),
+        tilt_rad=np.radians(np.array([door.tilt_deg for door in doors], np.float64)),
         room_a=np.array([door.rooms[0] for door in doors], np.int32),
         room_b=np.array([door.rooms[1] for door in doors], np.int32),
     )
@@ -209,14 +214,6 @@ def _door(table: dict[str, Any], rooms: set[int]) -> Door:
 def _features(table: dict[str, Any]) -> Iterator[Feature]:
     for corner in table["corners"]:
         yield table["id"], corner["kind"] == "convex", _point(corner["point_m"])
-
-
-def _radians(angle_deg: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Angles in radians that convert to exactly these degrees, to the last bit."""
-    angle = np.radians(angle_deg)
-    for beside in (np.nextafter(angle, -np.inf), np.nextafter(angle, np.inf)):
-        angle = np.where(np.degrees(beside) == angle_deg, beside, angle)
-    return angle
 
 
 def _number(value: object) -> float:

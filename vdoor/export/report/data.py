@@ -73,7 +73,7 @@ def _facts(topology: TopologicalMap, provenance: Provenance | None) -> list[tupl
     facts = [
         ("rooms", str(rooms)),
         ("doors", str(doors)),
-        ("area", f"{topology.area_m2.sum():.1f} m²"),
+        ("area", f"{topology.total_m2:.1f} m²"),
         ("map", f"{frame.width} x {frame.height} cells of {frame.resolution_m:g} m"),
     ]
     if provenance is None:
@@ -97,8 +97,8 @@ def _rooms(topology: TopologicalMap, sheet: Sheet) -> list[dict[str, Any]]:
         {
             "id": room.id,
             "name": room.name,
-            "area_m2": round(room.area_m2, 3),
-            "centre_m": [round(value, 3) for value in room.centre_m],
+            "area_m2": room.area_m2,
+            "centre_m": room.centre_m,
             "doors": [door.id for door in doors if room.id in door.rooms],
             "neighbours": room.neighbours,
             "at": at,
@@ -120,9 +120,9 @@ def _doors(topology: TopologicalMap, sheet: Sheet, tips: Mapping[int, Tip]) -> l
                 "id": door.id,
                 "rooms": door.rooms,
                 "kind": door.kind,
-                "width_m": round(door.width_m, 3),
-                "length_m": round(door.length_m, 3),
-                "tilt_deg": round(door.tilt_deg, 2),
+                "width_m": door.width_m,
+                "length_m": door.length_m,
+                "tilt_deg": door.tilt_deg,
                 "middle_m": middle_m.tolist(),
                 "at": ends.mean(axis=0).tolist(),
                 "d": polyline(ends),

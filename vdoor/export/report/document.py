@@ -14,6 +14,7 @@ from string import Template
 from typing import Any
 
 from vdoor.errors import VdoorError
+from vdoor.rounding import rounded
 
 PAGE = resources.files("vdoor.export.report") / "page"
 STYLES = ("base.css", "map.css", "tables.css", "dark.css", "print.css")
@@ -68,7 +69,7 @@ def document(title: str, data: Mapping[str, Any], addition: Addition | None = No
 def as_json(data: Mapping[str, Any]) -> str:
     """Data of the page; raises `VdoorError` for numbers that are not finite."""
     try:
-        return json.dumps(data, separators=(",", ":"), allow_nan=False)
+        return json.dumps(rounded(data, decimals={}), separators=(",", ":"), allow_nan=False)
     except ValueError as error:  # a recording can hold any number
         raise VdoorError(f"report: wanted finite numbers, found others ({error})") from error
 

@@ -72,7 +72,7 @@ def _door(run: History, walk: Walk) -> Facts:
         yield from _plain_door(run, walk.door)
         return
     fate = door_fate(run, walk.door)
-    yield "door", f"{walk.door} of {count}, {fate.kind}"
+    yield "virtual door", f"{walk.door} of {count}, {fate.kind}"
     yield "verdict", fate.verdict
     yield "from", "{:.3f},{:.3f} m".format(*fate.start_m)
     yield "to", "{:.3f},{:.3f} m".format(*fate.end_m)
@@ -89,7 +89,7 @@ def _door(run: History, walk: Walk) -> Facts:
 def _plain_door(run: History, door: int) -> Facts:
     """A virtual door of a baseline, which has no corners."""
     doors = run.doors
-    yield "door", f"{door} of {len(doors.verdict)}"
+    yield "virtual door", f"{door} of {len(doors.verdict)}"
     yield "verdict", VERDICTS[doors.verdict[door]]
     for name, cell in (("from", doors.start[door]), ("to", doors.end[door])):
         yield name, "{:.3f},{:.3f} m".format(*doors.frame.world_from_cell(cell)[0])
