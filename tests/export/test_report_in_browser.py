@@ -235,6 +235,20 @@ def test_a_label_that_would_cover_another_is_left_out(opened: Browser) -> None:
     assert opened.run(shown) == before >= len(finished_maps.topology("flat").rooms)
 
 
+def test_long_tables_show_their_rest_when_it_is_wanted(opened: Browser) -> None:
+    """Thousands of rows are slow to open, to check, and to walk through by keyboard."""
+    opened.run("data.rooms = Array.from({length: 250}, (_, row) => ({...data.rooms[0], id: row + 1})); fillRooms()")
+    rows, rest = "group('room-table').tBodies[0].rows.length", "document.querySelector('#room-table .rest')"
+    assert (opened.run(rows), opened.run(f"{rest}.textContent")) == (100, "Show all 250")
+    opened.run(f"{rest}.click()")
+    assert (opened.run(rows), opened.run(rest)) == (250, None)
+    assert opened.run("document.activeElement.getAttribute('aria-label')") == "Show room 101 on the map"
+    opened.run("fillRooms()")  # after an edit
+    assert opened.run(rows) == 250
+    opened.run("whole.clear(); fillRooms(); dispatchEvent(new Event('beforeprint'))")
+    assert opened.run(rows) == 250
+
+
 @pytest.mark.parametrize("width", [360, 800, 1900])
 def test_page_fits_narrow_and_wide_windows(width: int, opened: Browser) -> None:
     opened.call("Emulation.setDeviceMetricsOverride", width=width, height=800, deviceScaleFactor=1, mobile=False)

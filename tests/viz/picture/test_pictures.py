@@ -18,14 +18,15 @@ from project import HOME
 from vdoor.frame import Frame
 from vdoor.history import History
 from vdoor.history.records import RunRecords
+from vdoor.method.boundary import BoundaryPath
 from vdoor.pipeline import RECORDS
 from vdoor.record import Record, Spec
 from vdoor.recording.mcap import read_recording
-from vdoor.viz.marks.kinds import Cells, Chart, Curve, Dots, Lines, Mark, reduced, wrapped
+from vdoor.viz.marks.kinds import Arrows, Cells, Chart, Curve, Dots, Lines, Mark, reduced, wrapped
 from vdoor.viz.marks.plots import limits
 from vdoor.viz.marks.table import marks_of
-from vdoor.viz.picture.layout import Box, Wanted, flowed, free_places, laid_out
-from vdoor.viz.picture.pictures import picture_of, pictures
+from vdoor.viz.picture.layout import MARGIN, Box, Wanted, flowed, free_places, laid_out
+from vdoor.viz.picture.pictures import head_px, layout_of, picture_of, pictures
 from vdoor.viz.picture.plan import Window, entries, fitted, round_length_m
 from vdoor.viz.picture.views import Plan, View
 
@@ -68,6 +69,27 @@ def test_kept_pictures_are_small_and_none_is_left_over(kept: dict[str, bytes]) -
     paths = [HOME / kept_pictures.OVERVIEW, *(HOME / kept_pictures.REFERENCES).glob("*.png")]
     assert {path.name for path in paths} == {Path(path).name for path in kept}
     assert max(path.stat().st_size for path in paths) < 40_000
+
+
+@pytest.mark.parametrize("charts", [0, 1, 2])
+def test_headings_have_the_room_that_they_need(charts: int) -> None:
+    """Whatever the map's shape: a picture narrower than it was when its heading was measured needs more lines."""
+    view = View("Tab", "a sentence that says what is seen " * 4, [])
+    for height in range(10, 90):
+        window = Window.around(Frame(height, 60, 0.05), np.ones((height, 60), np.bool_))
+        for plans in ([Plan("", [])], [Plan("One", []), Plan("Other", [])]):
+            layout = layout_of(view, plans, [[]] * len(plans), charts, window=window, size=(1600, 1000))
+            title_px = 19.0 if plans[0].title else 0.0
+            assert layout.maps[0].top - title_px - MARGIN >= head_px(view, layout.width)
+
+
+def test_arrows_of_the_walk_lie_along_the_walls() -> None:
+    """At a turn they would point through one."""
+    run = History.read(read_recording(HOME / "recordings" / "golden" / "default-home.mcap", types=RECORDS))
+    (arrows,) = (mark for mark in marks_of(run, BoundaryPath) if isinstance(mark, Arrows))
+    for end in (arrows.cell, arrows.cell + arrows.vector):
+        away = np.linalg.norm(end[:, None] - (run.path.half / 2 - 0.5), axis=2).min(axis=1)
+        assert np.quantile(away, 0.9) < 1
 
 
 def test_marks_of_another_frame_lie_where_they_are_in_the_map() -> None:

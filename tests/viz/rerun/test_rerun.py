@@ -136,7 +136,7 @@ def test_the_viewer_opens_with_the_result_shows_every_tab_without_an_error_and_g
     """The one test that starts a viewer: it takes as long as all others here."""
     folder, records, _ = made
     try:
-        with headless(folder / "flat.rrd", (800, 500)) as client:
+        with headless(folder / "flat.rrd", (320, 240)) as client:
             port = urlsplit(client.url).port
             steady(client)
             step = client.get_state().recordings[0].current_time

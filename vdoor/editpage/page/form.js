@@ -5,6 +5,7 @@ function addField(form, [name, options], index) {
   if (!options) return element(label, "input", undefined, { name: `field-${index}`, autocomplete: "off", required: "" });
   const list = element(label, "select", undefined, { name: `field-${index}` });
   for (const [value, text] of options()) element(list, "option", text, { value });
+  list.selectedIndex = Math.min(index, list.options.length - 1); // of two rooms not the same one twice
   return list;
 }
 

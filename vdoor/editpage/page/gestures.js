@@ -83,7 +83,8 @@ function startGestures() {
     if (!line) return undefined;
     const first = !line.clicked && isClick(event);
     line.clicked = true;
-    return first ? undefined : endLine(event);
+    if (!first) return endLine(event);
+    return say("Now click where the line ends.");
   });
   capture("click", (event) => event.stopPropagation());
 }

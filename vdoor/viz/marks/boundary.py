@@ -12,7 +12,6 @@ from vdoor.grid import FREE_TO, OCCUPIED_FROM, OccupancyGrid
 from vdoor.history.records import RunRecords
 from vdoor.method.boundary import BoundaryPath
 from vdoor.method.simplify import REASONS
-from vdoor.raster.contours import STEP
 from vdoor.viz.marks.kinds import Arrows, Cells, Colour, Dots, Lines, Mark, Places, path_name
 from vdoor.viz.rerun import style
 from vdoor.viz.rerun.restrictions import restrictions
@@ -106,8 +105,13 @@ def walk(run: RunRecords) -> Iterator[Mark]:
     """The boundary, and which way it is walked."""
     path = run.path
     yield from boundary(run)
-    shown = np.arange(0, len(path.cell), max(len(path.cell) // ARROWS, 1))
-    by = STEP[path.heading[shown]] * max(path.frame.height, path.frame.width) * ARROW_CELLS
+    long = max(path.frame.height, path.frame.width) * ARROW_CELLS
+    chord = _chords(path, max(round(long / 2), 1))
+    chord_cells = np.hypot(*chord.T)
+    every = max(len(path.cell) // ARROWS, 1)
+    # The straightest place of each stretch: at a turn an arrow would point through a wall.
+    shown = [at + int(chord_cells[at : at + every].argmax()) for at in range(0, len(path.cell), every)]
+    by = chord[shown] / np.maximum(chord_cells[shown, None], 1.0) * long
     at = path.half[shown] / 2 - 0.5
     yield Arrows(
         name="direction",
@@ -117,6 +121,12 @@ def walk(run: RunRecords) -> Iterator[Mark]:
         colour=style.WALKER,
         meaning="direction of the walk, wall on the left",
     )
+
+
+def _chords(path: BoundaryPath, samples: int) -> NDArray[np.float64]:
+    """Vectors (k, 2) in cells from so many samples before each to as many behind it, along its ring."""
+    split = np.split(path.half / 2, path.first[1:])
+    return np.concatenate([np.roll(ring, -samples, axis=0) - np.roll(ring, samples, axis=0) for ring in split])
 
 
 def rings(path: BoundaryPath) -> list[Places]:

@@ -45,7 +45,7 @@ def picture_of(view: View, window: Window, size: tuple[int, int] = SIZE) -> byte
     charts = [panel for panel in view.panels if isinstance(panel, Chart)]
     with style.context("default"):  # whatever the user's own settings of matplotlib are
         legends = [entries(plan.marks) for plan in plans]
-        layout = _layout(view, plans, legends, len(charts), window=window, size=size)
+        layout = layout_of(view, plans, legends, len(charts), window=window, size=size)
         sheet = Sheet(layout.width, layout.height)
         if view.sentence:
             _write_heading(sheet, view)
@@ -59,7 +59,7 @@ def picture_of(view: View, window: Window, size: tuple[int, int] = SIZE) -> byte
         return sheet.png()
 
 
-def _layout(
+def layout_of(
     view: View,
     plans: Sequence[Plan],
     legends: Sequence[Sequence[Entry]],
@@ -68,30 +68,35 @@ def _layout(
     window: Window,
     size: tuple[int, int],
 ) -> Layout:
-    """The layout, found twice: legends and heading need fewer lines where they have more room than the least."""
+    """The layout, found twice: legends and heading need fewer lines where they have more room than the least.
+
+    The second is taken only if they have that room in it: a narrower picture needs more lines again.
+    """
     if not plans:
-        return charts_alone(charts, size[0], _head_px(view, size[0]))
-    across, width = LEAST_WIDTH, LEAST_PICTURE
-    for _ in range(2):
-        lines = max(lines_of(legend, across) for legend in legends)
-        wanted = Wanted(
-            aspect=window.width / window.height,
-            maps=len(plans),
-            charts=charts,
-            head=_head_px(view, width),
-            above=LINE_PX if plans[0].title else 0.0,
-            below=BAR_PX + lines * LINE_PX,
-        )
-        layout = laid_out(wanted, size)
-        across, width = layout.across, layout.width
-    return layout
+        return charts_alone(charts, size[0], head_px(view, size[0]))
+    aspect, above = window.width / window.height, LINE_PX if plans[0].title else 0.0
+
+    def arranged(width: float, across: float) -> tuple[Layout, bool]:
+        head, below = head_px(view, width), _below_px(legends, across)
+        layout = laid_out(Wanted(aspect, len(plans), charts, head, above, below), size)
+        fits = head_px(view, layout.width) <= head and _below_px(legends, layout.across) <= below
+        return layout, fits
+
+    first, _ = arranged(LEAST_PICTURE, LEAST_WIDTH)
+    second, fits = arranged(first.width, first.across)
+    return second if fits else first
+
+
+def _below_px(legends: Sequence[Sequence[Entry]], across: float) -> float:
+    return BAR_PX + max(lines_of(legend, across) for legend in legends) * LINE_PX
 
 
 def _sentence(view: View, width: float) -> list[str]:
     return folded(view.sentence, width - 2 * MARGIN, TEXT_PX)
 
 
-def _head_px(view: View, width: float) -> float:
+def head_px(view: View, width: float) -> float:
+    """Height of the heading in a picture of a width."""
     if not view.sentence:
         return 0.0
     return TITLE_PX + 12 + len(_sentence(view, width)) * LINE_PX + 8

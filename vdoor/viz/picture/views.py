@@ -108,6 +108,8 @@ def _cores(run: History) -> Panels:
 
 def _rooms(run: History) -> Panels:
     marks = [*boundary.input_map(run), *maps.final_map(run)] if run.has(TopologicalMap) else [*boundary.ground(run)]
+    # What the robot must not cross or enter lies over the rooms.
+    marks.sort(key=lambda mark: not isinstance(mark, Cells))
     yield Plan("", [*marks, *(maps.edits(run) if run.has(Edits) else [])])
 
 

@@ -36,7 +36,9 @@ rejected doors, are switched on in the panel at the left.
 """
 
 WORKING = "map/simplified"
+FORBIDDEN = "Where a vacuum's map forbids it to go: violet walls, orange no-go areas, blue no-mop areas."
 COLOURS = {
+    OVERVIEW: f"Red: doors and links of the graph. Yellow: rooms. {FORBIDDEN}",
     "Simplified": (
         "Pink: unreachable, now unknown. Orange: a bump, yellow: furniture, violet: a thin unknown line, red: unseen "
         "floor of a doorway; all now free. Light blue: a dent, filled. Teal: a slit, closed."
@@ -54,7 +56,12 @@ COLOURS = {
     "Scores": "Pink lines join doors of which only one can be kept.",
     "Initial map": "Blue: doors. Yellow: the regions' nodes. Red: the graph's links.",
     "Search": "Red: kept. Greyish blue: removed.",
-    "Rooms": "Red: doors with their numbers, and the links of the graph. Yellow: rooms with their numbers and areas.",
+    "Route": "Blue: the route. Dark blue: its start, stops and goal. Red: doors, and what is in the way.",
+    "Coverage": "Light blue: swept. Violet: along walls. Blue: in lanes. Red: on the way to the next, and doors.",
+    "Rooms": (
+        "Red: doors with their numbers, and the links of the graph. Yellow: rooms with their numbers and areas. "
+        f"{FORBIDDEN}"
+    ),
 }
 """What colours mean in the viewer, which has no legend."""
 ANGLES = "Angle in degrees, by metres of boundary; threshold red"

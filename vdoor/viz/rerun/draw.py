@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Any
 
 import numpy as np
@@ -24,6 +24,7 @@ from vdoor.navigate.cover_floor import Coverage
 from vdoor.navigate.find_route import Route
 from vdoor.record import Record, tables
 from vdoor.topology import TopologicalMap
+from vdoor.viz.marks.kinds import Cells, Mark
 from vdoor.viz.marks.plots import along_m, angle_chart
 from vdoor.viz.marks.table import MARKS, marks_of
 from vdoor.viz.rerun import style
@@ -61,6 +62,8 @@ ENTITIES: dict[type[Record], str] = {
 """Where the marks of each record go: below `map` in cells of the working grid, elsewhere in those of the input."""
 APART = 10.0
 """Draw order from stage to stage: later ones are on top."""
+OVER_ROOMS = 230.0
+"""Draw order of what the robot must not cross or enter: it holds in the rooms as well."""
 
 
 def draw_record(scene: Scene, record: Record) -> None:
@@ -69,12 +72,22 @@ def draw_record(scene: Scene, record: Record) -> None:
     kind = type(record)
     place = ENTITIES.get(kind, f"other/{record.topic}")
     order = APART * ([*ENTITIES].index(kind) if kind in ENTITIES else len(ENTITIES))
-    draw_marks(scene, place, marks_of(scene.run, kind), order=order)
+    ground, marks = _parted(marks_of(scene.run, kind)) if kind is OccupancyGrid else ([], marks_of(scene.run, kind))
+    draw_marks(scene, place, ground, order=order)
+    draw_marks(scene, place, marks, order=OVER_ROOMS if ground else order)
     if kind in BESIDE:
         BESIDE[kind](scene, record)
     elif kind not in MARKS:
         for name in tables(kind):
             table(scene, record, name)
+
+
+def _parted(marks: Iterable[Mark]) -> tuple[list[Mark], list[Mark]]:
+    """The map's cells, and the lines on them."""
+    both: tuple[list[Mark], list[Mark]] = [], []
+    for mark in marks:
+        both[not isinstance(mark, Cells)].append(mark)
+    return both
 
 
 def draw_changed(scene: Scene, grid: SimplifiedGrid) -> None:

@@ -119,5 +119,5 @@ def steady(client: ViewerClient) -> bytes:
         if png == before:
             return png
         before = png
-        time.sleep(0.2)
+        time.sleep(0.1)
     return before

@@ -69,6 +69,7 @@ function drawLabels() {
 function showResult() {
   shapes.clear();
   rows.clear();
+  tip.hidden = true; // it may tell of what is no more
   showFacts();
   drawRooms();
   drawDoors();

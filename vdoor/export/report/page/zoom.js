@@ -18,6 +18,7 @@ function showView(next) {
   });
   view = [middle[0] - width / 2, middle[1] - height / 2, width, height];
   drawing.setAttribute("viewBox", view.join(" "));
+  tip.hidden = true; // something else lies under the pointer now
   fitLabels();
   fitScale();
 }
