@@ -231,7 +231,7 @@ def test_scored_doors_are_walked_along(two_rooms: Path) -> None:
     run = history(two_rooms)
     assert stops(run, "door_scores").tolist() == run.scores.door.tolist()
     told = list(facts(run, Walk("door_scores", door=1)))
-    assert ("door", f"1 of {len(run.doors.kind)}, single") in told
+    assert ("virtual door", f"1 of {len(run.doors.kind)}, single") in told
     assert any(value.startswith("score: log-odds +0.25 (56 %") for _, value in told)
 
 
