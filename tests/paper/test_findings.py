@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from maps import stages, text_of
 from scipy.stats import binomtest
+from small_evidence import small_evidence
 
 from vdoor.api import run
 from vdoor.baselines.voronoi_doors import everything_kept
@@ -18,7 +19,7 @@ from vdoor.method.final_map import MergeRooms
 from vdoor.method.search.costs import MapCost
 from vdoor.method.search.optimisers import GeneticSearch
 from vdoor.method.search.problem import MergeProblem
-from vdoor.paper.claims import Size, claims, gather_evidence
+from vdoor.paper.claims import claims
 from vdoor.paper.door_counts import (
     ENVIRONMENTS,
     METHODS,
@@ -250,7 +251,7 @@ def test_section_3_is_counted_from_the_searches_themselves() -> None:
 
 
 def test_a_claim_that_fails_is_reported_as_failed() -> None:
-    evidence = gather_evidence(Size(apartments=1, graphs=1))
+    evidence = small_evidence()
     assert all(claim.holds for claim in claims(evidence))
     missed = [{**evidence.studies[0].each[0], "proposed": DoorCount(real=4, virtual=5, matched=3)}]
     worse = dataclasses.replace(evidence.studies[0], each=tuple(missed))

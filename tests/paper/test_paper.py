@@ -14,11 +14,12 @@ import pytest
 from commands import Command, Done
 from PIL import Image
 from project import HOME
+from small_evidence import small_evidence
 
 from vdoor.experiments.search_study import Graph
 from vdoor.method.corners import Candidates
 from vdoor.method.curvature import Curvature
-from vdoor.paper.claims import Size, gather_evidence
+from vdoor.paper.claims import Size
 from vdoor.paper.door_counts import ApartmentStudy, DoorCount, study_apartments
 from vdoor.paper.errata import arctan_mistakes
 from vdoor.paper.figures import SUB_CASES
@@ -113,7 +114,7 @@ def test_the_stored_apartments_are_found_again(*, furniture: bool) -> None:
 
 def test_every_word_and_number_of_the_stored_page_follows_from_what_was_counted() -> None:
     """What depends on how many there are is counted from the stored lists, of which a part is found again above."""
-    stored, small = stored_numbers(), gather_evidence(Size(apartments=1, graphs=1))
+    stored, small = stored_numbers(), small_evidence()
     evidence = dataclasses.replace(
         small,
         size=Size(**stored["size"]),

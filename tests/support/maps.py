@@ -25,8 +25,8 @@ from vdoor.pipeline import Pipeline
 Cells = NDArray[np.int8]
 CELL_M = 0.2
 STATES = {".": FREE, "#": OCCUPIED, "?": UNKNOWN}
-law = settings(max_examples=40, deadline=None, derandomize=True)
-long_law = settings(law, max_examples=120)
+law = settings(max_examples=30, deadline=None, derandomize=True)
+long_law = settings(law, max_examples=90)
 
 
 def cells_drawn(text: str) -> Cells:
