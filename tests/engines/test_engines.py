@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import logging
 import os
 from collections import Counter
 from pathlib import Path
@@ -68,6 +69,7 @@ def test_a_cluster_does_the_same_and_its_loss_is_one_clear_error(
         assert Counter((tmp_path / "log").read_text().split())["2"] == 2
         there.workers[0].kill()
         assert list(in_order(dask(plain_work.squared, range(100), limits))) == [n * n for n in range(100)]
+        assert not logging.getLogger("distributed.client").isEnabledFor(logging.ERROR)
         endings = dask(plain_work.own_process, range(100_000), limits)
         next(endings)
         there.scheduler.kill()

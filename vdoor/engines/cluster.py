@@ -60,7 +60,7 @@ def _client(scheduler: str) -> Any:
         from distributed import Client  # noqa: PLC0415  # an extra
     except ImportError as error:
         raise VdoorError("--engine dask: wanted the package distributed (pip install 'vdoor[cluster]')") from error
-    logging.getLogger("distributed").setLevel(logging.CRITICAL)  # what it would say in pages, we say in a line
+    _quiet()
     try:
         client = Client(scheduler, timeout=CONNECT_S, set_as_default=False)
         client.wait_for_workers(1, timeout=CONNECT_S)
@@ -68,6 +68,13 @@ def _client(scheduler: str) -> Any:
         found = error or "no worker"
         raise VdoorError(f"scheduler: wanted one with workers, found none ({found}): {scheduler}") from error
     return client
+
+
+def _quiet() -> None:
+    """Keep Distributed from saying in pages what we say in a line; some of its loggers have levels of their own."""
+    for name in ("distributed", *logging.root.manager.loggerDict):
+        if name.partition(".")[0] == "distributed":
+            logging.getLogger(name).setLevel(logging.CRITICAL)
 
 
 class _Course:
